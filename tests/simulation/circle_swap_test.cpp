@@ -11,11 +11,12 @@
 #include <gtest/gtest.h>
 
 #include "coppice/motion/reciprocal_velocity.h"
+#include "tests/usual_robot.h"
 
 namespace coppice {
 namespace {
 
-constexpr double radius = 5;
+using test::radius;
 constexpr double max_speed = 20;
 constexpr double time_step = 0.05;
 constexpr double horizon = 2;

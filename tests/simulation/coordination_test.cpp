@@ -24,9 +24,9 @@ void PrintTo(const Trial& trial, std::ostream* out) {
   *out << trial.robots << ' ' << trial.name << ", " << trial.seeds << " seeds";
 }
 
-class Coordination : public testing::TestWithParam<Trial> {};
+class CoordinationTest : public testing::TestWithParam<Trial> {};
 
-TEST_P(Coordination, AllRobotsArriveAndNoneTouchesAnything) {
+TEST_P(CoordinationTest, AllRobotsArriveAndNoneTouchesAnything) {
   const Trial& trial = GetParam();
   for (int seed = 1; seed <= trial.seeds; ++seed) {
     const Scenario scenario = make_scenario(trial.name, trial.robots, static_cast<std::uint32_t>(seed));
@@ -40,7 +40,7 @@ TEST_P(Coordination, AllRobotsArriveAndNoneTouchesAnything) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Scenarios, Coordination,
+INSTANTIATE_TEST_SUITE_P(Scenarios, CoordinationTest,
                          testing::Values(Trial{"circle", 10, 20}, Trial{"circle", 50, 5},
                                          Trial{"circle", 100, 1}, Trial{"pocket-14", 2, 20},
                                          Trial{"pocket-18", 2, 20}, Trial{"loop-14", 2, 20},
@@ -69,7 +69,7 @@ RobotTask task(std::size_t number, const Point2& start, const Point2& goal) {
 }
 
 // The robot that arrives first stands in the way of robots whose goals lie deeper.
-TEST(Coordination, AnAisleIsFilledWithRobotsThatAlmostTouch) {
+TEST(FleetCoordination, AnAisleIsFilledWithRobotsThatAlmostTouch) {
   for (const double distance : {10.0, 10.5, 12.0}) {
     SCOPED_TRACE(distance);
     OccupancyMap map = test::open_map(300, 100);
@@ -85,7 +85,7 @@ TEST(Coordination, AnAisleIsFilledWithRobotsThatAlmostTouch) {
 }
 
 // A robot that arrived a little off its goal may take room that another needs.
-TEST(Coordination, GoalsMayTouch) {
+TEST(FleetCoordination, GoalsMayTouch) {
   Scenario scenario{.map_name = "open", .map = test::open_map(300, 200), .seed = 1, .robots = {}};
   for (std::size_t k = 0; k < 8; ++k) {
     const auto column = static_cast<double>(k);
@@ -95,7 +95,7 @@ TEST(Coordination, GoalsMayTouch) {
 }
 
 // Each robot gets a new goal on arrival.
-TEST(Coordination, ALifelongFleetKeepsGettingGoals) {
+TEST(FleetCoordination, ALifelongFleetKeepsGettingGoals) {
   for (const char* name : {"rooms", "maze"}) {
     const Scenario scenario = make_scenario(name, 20, 1);
     FleetSimulation simulation(scenario, {.timeout = 3000, .lifelong = 200});
@@ -109,7 +109,7 @@ TEST(Coordination, ALifelongFleetKeepsGettingGoals) {
 
 // Two robots meet head-on in a corridor without a pocket. They are told within a bounded time that there is
 // no plan.
-TEST(Coordination, AMissingJointPlanIsReported) {
+TEST(FleetCoordination, AMissingJointPlanIsReported) {
   Scenario scenario;
   scenario.map = {.width = 240, .height = 34, .blocked = std::vector<std::uint8_t>(240 * 34, 1)};
   for (int j = 10; j < 24; ++j) {
@@ -130,7 +130,7 @@ TEST(Coordination, AMissingJointPlanIsReported) {
     EXPECT_NE(robot.reason().find("was not found within"), std::string::npos) << robot.reason();
 }
 
-TEST(Coordination, UnknownKindsAndTooManyRobotsAreErrors) {
+TEST(FleetCoordination, UnknownKindsAndTooManyRobotsAreErrors) {
   EXPECT_THROW(make_scenario("nothing", 2, 1), InputError);
   EXPECT_THROW(make_scenario("rooms", 100'000, 1), InputError);
   for (const ScenarioKind& kind : scenario_kinds()) {

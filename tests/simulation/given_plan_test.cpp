@@ -10,16 +10,16 @@
 namespace coppice {
 namespace {
 
-constexpr int side = 7;
+constexpr int cells = 7;
 
 /// A crossing of two corridors, one cell wide: three robots drive to the right, two downwards.
 Scenario crossing() {
   Scenario scenario;
   scenario.map_name = "crossing";
-  scenario.map = {.width = side, .height = side, .blocked = std::vector<std::uint8_t>(side * side, 1)};
-  for (std::size_t k = 0; k < side; ++k) {
-    scenario.map.blocked[3 * side + k] = 0;
-    scenario.map.blocked[k * side + 3] = 0;
+  scenario.map = {.width = cells, .height = cells, .blocked = std::vector<std::uint8_t>(cells * cells, 1)};
+  for (std::size_t k = 0; k < cells; ++k) {
+    scenario.map.blocked[3 * cells + k] = 0;
+    scenario.map.blocked[k * cells + 3] = 0;
   }
   const auto add = [&](const char* name, Point2 start, Point2 goal) {
     scenario.robots.push_back({name, start, goal, 0.3, 1, 2, 0.1});

@@ -138,7 +138,7 @@ TEST_F(Page, ThePageShowsARecording) {
 
 TEST_F(Page, ThePageShowsTheOutcomeAndTheRobotsThatArrived) {
   const auto run = start({"run", (test::scenarios() / "rooms-8.json").string(), "--robots", "2", "--domain",
-                          test::domain_name(), "--quiet", "--time-scale", "2", "--watch"},
+                          test::domain_name(), "--quiet", "--time-scale", "0.4", "--watch"},
                          "monitor.log");
   run_spec("end_of_run.spec.mjs", "2");
   EXPECT_EQ(run->wait(), 0) << test::contents(path("monitor.log"));

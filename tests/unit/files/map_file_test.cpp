@@ -17,7 +17,7 @@ namespace {
 
 using test::TemporaryFolder;
 
-std::string error_of(const std::filesystem::path& path) {
+std::string error_of_map(const std::filesystem::path& path) {
   try {
     read_map(path);
   } catch (const InputError& problem) {
@@ -57,11 +57,11 @@ TEST(MapFile, EveryMistakeNamesTheLine) {
       {"type octile\nheight 2\nwidth 2\nmap\n..\n.\n", "a.map:6: expected 2 cells, found 1"},
       {"type octile\nheight 1\nwidth 2\nmap\n..\n..\n", "a.map:6: more than the 1 rows"}};
   for (const auto& [content, expected] : cases) {
-    const std::string error = error_of(folder.write("a.map", content));
+    const std::string error = error_of_map(folder.write("a.map", content));
     EXPECT_NE(error.find(expected), std::string::npos) << content << "\nsaid: " << error;
   }
-  EXPECT_NE(error_of(folder.path() / "none.map").find("none.map: cannot be read"), std::string::npos);
-  EXPECT_NE(error_of(folder.write("a.txt", "")).find("unknown kind of map"), std::string::npos);
+  EXPECT_NE(error_of_map(folder.path() / "none.map").find("none.map: cannot be read"), std::string::npos);
+  EXPECT_NE(error_of_map(folder.write("a.txt", "")).find("unknown kind of map"), std::string::npos);
 }
 
 TEST(MapFile, AWrittenMapIsReadBack) {
@@ -231,7 +231,7 @@ TEST(MapFile, OtherKindsOfPicturesAreRefusedByName) {
     const TemporaryFolder folder;
     folder.write("site.png", picture);
     const std::string error =
-        error_of(folder.write("site.yaml", "image: site.png\nresolution: 1\norigin: [0, 0, 0]\n"));
+        error_of_map(folder.write("site.yaml", "image: site.png\nresolution: 1\norigin: [0, 0, 0]\n"));
     EXPECT_NE(error.find("site.png: is " + expected), std::string::npos) << error;
   }
 }
@@ -242,7 +242,7 @@ TEST(MapFile, ADamagedPngPictureIsRefused) {
   for (std::size_t size = 8; size < whole.size(); ++size) {
     folder.write("site.png", whole.substr(0, size));
     const std::string error =
-        error_of(folder.write("site.yaml", "image: site.png\nresolution: 1\norigin: [0, 0, 0]\n"));
+        error_of_map(folder.write("site.yaml", "image: site.png\nresolution: 1\norigin: [0, 0, 0]\n"));
     EXPECT_NE(error.find("site.png: cannot be read as PNG: "), std::string::npos) << size << ": " << error;
   }
 }
@@ -268,7 +268,7 @@ TEST(MapFile, ByteOrderMarksAndWindowsLineEndsChangeNothing) {
   const std::string rows = "type octile\r\nheight 1\r\nwidth 2\r\nmap\r\n.@\r\n";
   for (const std::string name : {"a.map", "A.MAP"})
     EXPECT_EQ(read_map(folder.write(name, mark + rows)).blocked, (std::vector<std::uint8_t>{0, 1})) << name;
-  EXPECT_NE(error_of(folder.write("b.map", "\xff\xfet")).find("b.map:1: is UTF-16"), std::string::npos);
+  EXPECT_NE(error_of_map(folder.write("b.map", "\xff\xfet")).find("b.map:1: is UTF-16"), std::string::npos);
 }
 
 /// What is logged while `fn` runs.
@@ -323,7 +323,7 @@ TEST(MapFile, APngPictureTooShortForItsSizeIsRefusedByItsHeader) {
                                 png_chunk("IHDR", big_endian(16384) + big_endian(16384) + one_bit_grey) +
                                 png_chunk("IDAT", "abc"));
   const std::string error =
-      error_of(folder.write("site.yaml", "image: large.png\nresolution: 1\norigin: [0, 0, 0]\n"));
+      error_of_map(folder.write("site.yaml", "image: large.png\nresolution: 1\norigin: [0, 0, 0]\n"));
   EXPECT_NE(error.find("large.png: truncated: 16384 x 16384 pixels"), std::string::npos) << error;
 }
 
@@ -353,7 +353,7 @@ TEST(MapFile, EveryMistakeInARosMapNamesTheField) {
       {"image: ok.pgm\nresolution: .inf\norigin: [0, 0, 0]\n", "resolution: expected a number"},
       {"image: [\n", "site.yaml:"}};
   for (const auto& [yaml, expected] : cases) {
-    const std::string error = error_of(folder.write("site.yaml", yaml));
+    const std::string error = error_of_map(folder.write("site.yaml", yaml));
     EXPECT_NE(error.find(expected), std::string::npos) << yaml << "\nsaid: " << error;
   }
 }

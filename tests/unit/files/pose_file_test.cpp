@@ -18,7 +18,7 @@ Scenario hall() {
   return site;
 }
 
-std::string error_of(const std::string& json) {
+std::string error_of_poses(const std::string& json) {
   const test::TemporaryFolder folder;
   try {
     read_poses(folder.write("poses.json", json), hall());
@@ -71,7 +71,8 @@ TEST(PoseFile, MistakesAreNamedWithFileAndRobot) {
            {R"({"robots": [{"name": "a", "x": "5", "y": 6}]})", "robots[0].x: expected a number"},
            {R"({"robots": [{"x": 5, "y": 6}]})", "robots[0].name: is missing"},
            {R"({"robots": [{"name": "a", "z": 6}]})", "poses.json:1"}}) {
-    EXPECT_NE(error_of(json).find(problem), std::string::npos) << json << "\nsaid: " << error_of(json);
+    EXPECT_NE(error_of_poses(json).find(problem), std::string::npos)
+        << json << "\nsaid: " << error_of_poses(json);
   }
 }
 

@@ -26,6 +26,14 @@ inline void block(OccupancyMap& map, int i0, int j0, int i1, int j1, bool blocke
   }
 }
 
+/// A hall of 100 m x 100 m with an aisle 14 m wide that ends blind.
+inline OccupancyMap hall_and_aisle() {
+  OccupancyMap map = open_map(300, 100);
+  block(map, 100, 0, 300, 100);
+  block(map, 100, 43, 290, 57, false);
+  return map;
+}
+
 /// The final positions. Each move must begin where its robot is, and pass all obstacles and robots.
 inline std::vector<Point2> driven(const OccupancyMap& map, std::span<const JointTask> tasks,
                                   const JointPlan& plan) {

@@ -17,7 +17,7 @@
 namespace coppice {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 TEST(RosNames, ValidRosNamesStayAndOthersAreReplaced) {
   EXPECT_EQ(ros_name("r1"), "r1");

@@ -8,7 +8,7 @@
 namespace coppice {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 TEST(Transforms, APoseFollowsFromAllTransformsUpToTheAncestor) {
   Transforms known;

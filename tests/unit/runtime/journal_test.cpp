@@ -18,7 +18,8 @@
 namespace coppice {
 namespace {
 
-const Message status = AgentStatus{.robot = "r1", .mission = 3, .reason = "because", .driven_length = 7.5};
+const Message agent_status =
+    AgentStatus{.robot = "r1", .mission = 3, .reason = "because", .driven_length = 7.5};
 const Message tree = InactiveTreesMessage{{7, 2}, "map", 5, {{{1, 2}, -1, 6}, {{3, 4}, 0, 5.5}}};
 const Message track = TrackMessage{"r1", 1, 4, {{0.5, {1, 2}, {3, 4}}, {0.55, {1.15, 2.2}, {0, 0}}}};
 
@@ -36,16 +37,16 @@ TEST_F(JournalTest, AppendedMessagesAreHeldInOrderAndMoreCanFollow) {
   {
     Journal journal(file);
     EXPECT_TRUE(journal.messages().empty());
-    journal.append(status);
+    journal.append(agent_status);
     journal.append(tree);
   }
   {
     Journal journal(file);
-    EXPECT_EQ(journal.messages(), (std::vector<Message>{status, tree}));
+    EXPECT_EQ(journal.messages(), (std::vector<Message>{agent_status, tree}));
     journal.append(track);
-    EXPECT_EQ(journal.messages(), (std::vector<Message>{status, tree, track}));
+    EXPECT_EQ(journal.messages(), (std::vector<Message>{agent_status, tree, track}));
   }
-  EXPECT_EQ(held_by(file), (std::vector<Message>{status, tree, track}));
+  EXPECT_EQ(held_by(file), (std::vector<Message>{agent_status, tree, track}));
   Journal(file).keep(Keep::begin_anew, tree);
   EXPECT_EQ(held_by(file), std::vector<Message>{tree});
 }
@@ -53,7 +54,7 @@ TEST_F(JournalTest, AppendedMessagesAreHeldInOrderAndMoreCanFollow) {
 TEST_F(JournalTest, AJournalCutAnywhereHoldsTheRecordsBeforeTheCut) {
   {
     Journal journal(file);
-    journal.append(status);
+    journal.append(agent_status);
     journal.append(tree);
   }
   const std::string whole = test::contents(file);
@@ -63,7 +64,7 @@ TEST_F(JournalTest, AJournalCutAnywhereHoldsTheRecordsBeforeTheCut) {
     const auto held = held_by(file);
     EXPECT_GE(held.size(), most) << size;
     most = held.size();
-    EXPECT_TRUE(held.empty() || held[0] == status) << size;
+    EXPECT_TRUE(held.empty() || held[0] == agent_status) << size;
     Journal(file).append(track);
     EXPECT_EQ(held_by(file).back(), track) << size;
   }
@@ -83,7 +84,7 @@ std::string problem_with_opening(const std::filesystem::path& path) {
 std::vector<std::size_t> write_three(const std::filesystem::path& file, Keep how) {
   std::vector<std::size_t> places;
   Journal journal(file);
-  for (const Message& message : {status, tree, track}) {
+  for (const Message& message : {agent_status, tree, track}) {
     places.push_back(std::filesystem::file_size(file));
     journal.keep(how, message);
     journal.sync();
@@ -121,7 +122,7 @@ TEST_F(JournalTest, AChangedByteInTheMiddleIsRefusedWithItsPlaceAndWhatToDo) {
 TEST_F(JournalTest, AChangedLastRecordIsCutOffUnlessItWasOnDiskForCertain) {
   const std::size_t last = write_three(file, Keep::append)[3] - 3;
   change_byte(file, last);
-  EXPECT_EQ(held_by(file), (std::vector<Message>{status, tree}));
+  EXPECT_EQ(held_by(file), (std::vector<Message>{agent_status, tree}));
   std::filesystem::remove(file);
   write_three(file, Keep::append_surely);
   change_byte(file, last);
@@ -134,7 +135,7 @@ TEST_F(JournalTest, ALastRecordWhoseEndWasNeverWrittenIsCutOff) {
   std::string bytes = test::contents(file);
   std::fill(bytes.begin() + static_cast<std::ptrdiff_t>(places[2]) + 20, bytes.end(), '\0');
   std::ofstream(file, std::ios::binary) << bytes;
-  EXPECT_EQ(held_by(file), (std::vector<Message>{status, tree}));
+  EXPECT_EQ(held_by(file), (std::vector<Message>{agent_status, tree}));
 }
 
 TEST_F(JournalTest, DamagedRecordsAreRemovedAndTheOthersStay) {
@@ -148,10 +149,10 @@ TEST_F(JournalTest, DamagedRecordsAreRemovedAndTheOthersStay) {
   EXPECT_EQ(found.records, 2u);
   EXPECT_EQ(test::contents(discard_damaged(file)), damaged);
   EXPECT_TRUE(examine_journal(file).damages.empty());
-  EXPECT_EQ(held_by(file), (std::vector<Message>{status, track}));
+  EXPECT_EQ(held_by(file), (std::vector<Message>{agent_status, track}));
   change_byte(file, 3);
   EXPECT_NE(discard_damaged(file), file.string() + ".damaged") << "the first copy stays";
-  EXPECT_EQ(held_by(file), (std::vector<Message>{status, track}));
+  EXPECT_EQ(held_by(file), (std::vector<Message>{agent_status, track}));
 }
 
 TEST_F(JournalTest, AJournalInUseIsNotRepaired) {
@@ -202,12 +203,12 @@ void where_files_end_at(std::size_t bytes, Fn&& fn) {
 
 /// Makes a journal that holds the status and had no room for the tree.
 void make_incomplete(const std::filesystem::path& file) {
-  Journal(file).append(status);
+  Journal(file).append(agent_status);
   where_files_end_at(std::filesystem::file_size(file) + 20, [&] {
     Journal journal(file);
     journal.append(tree);  // it would be torn
     if (journal.complete()) _exit(1);
-    journal.append(status);
+    journal.append(agent_status);
   });
 }
 
@@ -215,7 +216,7 @@ TEST_F(JournalTest, AFullDiskLeavesAnIncompleteJournal) {
   make_incomplete(file);
   Journal journal(file);
   EXPECT_FALSE(journal.complete());
-  EXPECT_EQ(journal.messages(), std::vector<Message>{status});
+  EXPECT_EQ(journal.messages(), std::vector<Message>{agent_status});
 }
 
 TEST_F(JournalTest, AJournalThatFailsToBeginAgainIsIncomplete) {
@@ -223,7 +224,7 @@ TEST_F(JournalTest, AJournalThatFailsToBeginAgainIsIncomplete) {
     const Journal journal(file);
     return std::filesystem::file_size(file);
   }();
-  Journal(file).append(status);
+  Journal(file).append(agent_status);
   where_files_end_at(first_line - 1, [&] { Journal(file).keep(Keep::begin_anew, tree); });
   Journal journal(file);
   EXPECT_FALSE(journal.complete());
@@ -246,7 +247,7 @@ TEST_F(JournalTest, AJournalGoesOnAfterItsGapsAreAccepted) {
     journal.append(track);
   }
   EXPECT_TRUE(Journal(file).complete());
-  EXPECT_EQ(held_by(file), (std::vector<Message>{status, track}));
+  EXPECT_EQ(held_by(file), (std::vector<Message>{agent_status, track}));
 }
 
 TEST_F(JournalTest, TheProcessDoesOtherWorkWhileItsJournalOpens) {
@@ -261,7 +262,7 @@ constexpr std::size_t room = 4096;
 TEST_F(JournalTest, ALongJournalIsRewrittenInOneStep) {
   Journal journal(file, room);
   int appended = 0;
-  for (; !journal.wants_rewriting(); ++appended) EXPECT_TRUE(journal.append(status));
+  for (; !journal.wants_rewriting(); ++appended) EXPECT_TRUE(journal.append(agent_status));
   EXPECT_GT(appended, 10);
   EXPECT_TRUE(journal.rewrite(std::vector<Message>{tree}, "a note"));
   EXPECT_FALSE(journal.wants_rewriting());
@@ -278,8 +279,8 @@ TEST_F(JournalTest, ALongJournalIsRewrittenInOneStep) {
 TEST_F(JournalTest, AJournalThatIsRewrittenAgainAndAgainDoesNotGrow) {
   Journal journal(file, room);
   for (int k = 0; k < 3000; ++k) {
-    journal.append(status);
-    if (journal.wants_rewriting()) journal.rewrite(std::vector<Message>{tree, status});
+    journal.append(agent_status);
+    if (journal.wants_rewriting()) journal.rewrite(std::vector<Message>{tree, agent_status});
   }
   EXPECT_LT(std::filesystem::file_size(file), 2 * room);
   EXPECT_LT(std::filesystem::file_size(file.string() + ".next"), 2 * room);
@@ -288,7 +289,7 @@ TEST_F(JournalTest, AJournalThatIsRewrittenAgainAndAgainDoesNotGrow) {
 
 // Killed at any moment, it leaves the old file or the new one, and no third.
 TEST_F(JournalTest, AKillWhileItIsRewrittenLeavesTheOldOrTheNewFile) {
-  const std::vector<Message> one(20, status);
+  const std::vector<Message> one(20, agent_status);
   const std::vector<Message> other(30, track);
   for (int k = 0; k < 40; ++k) {
     const pid_t child = fork();
@@ -316,9 +317,9 @@ TEST_F(JournalTest, AFullDiskDoesNotKeepARewrittenJournalFromGoingOn) {
     Journal journal(on_disk, room);
     disk.fill();
     for (int k = 0; k < 2000; ++k) {
-      ASSERT_TRUE(journal.append(status)) << k;
+      ASSERT_TRUE(journal.append(agent_status)) << k;
       if (!journal.wants_rewriting()) continue;
-      ASSERT_TRUE(journal.rewrite(std::vector<Message>{tree, status})) << k;
+      ASSERT_TRUE(journal.rewrite(std::vector<Message>{tree, agent_status})) << k;
     }
     EXPECT_TRUE(journal.complete());
   }
@@ -326,7 +327,7 @@ TEST_F(JournalTest, AFullDiskDoesNotKeepARewrittenJournalFromGoingOn) {
   EXPECT_TRUE(again.complete());
   EXPECT_EQ(again.messages().front(), tree);
   for (int k = 0; k < 200; ++k) {
-    ASSERT_TRUE(again.append(status)) << k;
+    ASSERT_TRUE(again.append(agent_status)) << k;
     if (!again.wants_rewriting()) continue;
     ASSERT_TRUE(again.rewrite(std::vector<Message>{tree})) << k;
   }
@@ -340,12 +341,12 @@ TEST_F(JournalTest, ARewrittenJournalKeepsTheRoomThatItHas) {
   disk.fill();
   std::vector<Message> all;
   while (!journal.wants_rewriting()) {
-    ASSERT_TRUE(journal.append(status));
-    all.push_back(status);
+    ASSERT_TRUE(journal.append(agent_status));
+    all.push_back(agent_status);
   }
   ASSERT_TRUE(journal.rewrite(all));
   disk.fill();  // another process takes what is free
-  for (int k = 0; k < 10; ++k) EXPECT_TRUE(journal.append(status)) << k;
+  for (int k = 0; k < 10; ++k) EXPECT_TRUE(journal.append(agent_status)) << k;
 }
 
 TEST_F(JournalTest, RoomThatComesBackIsUsedWithoutARestart) {
@@ -358,7 +359,7 @@ TEST_F(JournalTest, RoomThatComesBackIsUsedWithoutARestart) {
   }
   EXPECT_FALSE(journal.complete());
   EXPECT_TRUE(journal.wants_rewriting());
-  const std::vector<Message> many(std::size_t{500}, status);
+  const std::vector<Message> many(std::size_t{500}, agent_status);
   EXPECT_FALSE(journal.rewrite(many)) << "there is no room for so many";
   EXPECT_EQ(journal.messages().front(), tree) << "what was there stays";
   disk.make_room();

@@ -12,12 +12,12 @@
 namespace coppice {
 namespace {
 
-constexpr double hour = 3600;
+constexpr double one_hour = 3600;
 
 TEST(ProcessClock, AProcessGoesOnWithTheTimeOfTheOneBeforeIt) {
   const DisciplinedClock::Reading first{1000, 1.7e9};
   const ClockMark kept{"boot", 1000, 1.7e9};
-  for (const double step : {hour, -hour}) {
+  for (const double step : {one_hour, -one_hour}) {
     const DisciplinedClock::Reading later{first.oscillator + 10, first.system + 10 + step};
     EXPECT_NEAR(clock_from(kept, "boot", later).time(), first.system + 10, 1e-6) << step;
   }
@@ -48,10 +48,10 @@ TEST(ProcessClock, ProcessesWithOneFolderHaveOneTime) {
   ProcessClock first(states);
   auto mark = clock_mark_in(test::contents(folder.path() / "states" / "clock"));
   ASSERT_TRUE(mark);
-  mark->time -= hour;  // as if the system's clock had been set forward since
+  mark->time -= one_hour;  // as if the system's clock had been set forward since
   folder.write("states/clock", text_of(*mark));
   ProcessClock second(states);
-  EXPECT_NEAR(second.now(), first.now() - hour, 1);
+  EXPECT_NEAR(second.now(), first.now() - one_hour, 1);
   EXPECT_NEAR(second.by_system(second.now()), first.now(), 1);
   EXPECT_NEAR(second.from_system(second.by_system(500)), 500, 1e-6);
   EXPECT_NEAR(ProcessClock().now(), first.now(), 1) << "without a folder";
@@ -65,7 +65,7 @@ TEST(ProcessClock, AFullDiskKeepsTheMarkThatIsThere) {
   ProcessClock{states};
   auto mark = clock_mark_in(test::contents(folder.path() / "states" / "clock"));
   ASSERT_TRUE(mark);
-  mark->oscillator += hour;  // counted on from there, so that it is of no use, and is to be replaced
+  mark->oscillator += one_hour;  // counted on from there, so that it is of no use, and is to be replaced
   folder.write("states/clock", text_of(*mark));
   disk.fill();
   ProcessClock{states};

@@ -9,12 +9,13 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/motion/plans.h"
+#include "tests/usual_robot.h"
 
 namespace coppice {
 namespace {
 
 constexpr double max_speed = 20;
-constexpr double radius = 5;
+using test::radius;
 constexpr std::size_t a = 0;
 constexpr std::size_t b = 1;
 

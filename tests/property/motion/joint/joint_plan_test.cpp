@@ -9,12 +9,13 @@
 #include "motion/joint/joint_planner.h"
 #include "tests/support.h"
 #include "tests/unit/motion/plans.h"
+#include "tests/usual_robot.h"
 
 namespace coppice {
 namespace {
 
 constexpr int side = 300;  // cells
-constexpr double radius = 5;
+using test::radius;
 
 int between(int least, int count, Random& random) {
   return least + static_cast<int>(random.index(static_cast<std::size_t>(count)));

@@ -14,15 +14,16 @@
 #include "motion/trajectory/reserved_order.h"
 #include "tests/unit/motion/plans.h"
 #include "tests/unit/motion/trajectories.h"
+#include "tests/usual_robot.h"
 
 namespace coppice {
 namespace {
 
 using test::position_at;
 
-constexpr double radius = 5;
+using test::radius;
 constexpr double period = 0.05;
-const Limits limits{20, 40};
+using test::limits;
 
 double latest(const std::vector<Trajectory>& trajectories) {
   double end = 0;

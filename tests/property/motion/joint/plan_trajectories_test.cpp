@@ -7,11 +7,12 @@
 #include <gtest/gtest.h>
 
 #include "coppice/planning/map_generator.h"
+#include "tests/usual_robot.h"
 
 namespace coppice {
 namespace {
 
-const Limits limits{20, 40};
+using test::limits;
 
 std::vector<DrivingTask> tasks_on(const ClearanceField& field, int robots, double radius, Random& random) {
   std::vector<DrivingTask> tasks;

@@ -8,13 +8,14 @@
 
 #include "coppice/planning/random.h"
 #include "tests/unit/motion/trajectories.h"
+#include "tests/usual_robot.h"
 
 namespace coppice {
 namespace {
 
 using test::position_at;
 
-constexpr double radius = 5;
+using test::radius;
 constexpr double other_radius = 4;
 const Box<2> bounds{{0, 0}, {100, 100}};
 

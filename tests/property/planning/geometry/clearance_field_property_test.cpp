@@ -17,7 +17,7 @@ namespace {
 constexpr double band = 1e-6;
 
 /// A map of blocks, walls and single cells, which independent random cells would never give.
-OccupancyMap random_map(Random& random) {
+OccupancyMap map_of_blocks(Random& random) {
   OccupancyMap map;
   map.width = 1 + static_cast<int>(random.index(40));
   map.height = 1 + static_cast<int>(random.index(40));
@@ -81,7 +81,7 @@ double true_clearance(const OccupancyMap& map, const Point2& a, const Point2& b)
 
 RC_GTEST_PROP(ClearanceField, AnswersAtPointsAgreeWithBruteForce, (std::uint64_t seed)) {
   Random random(seed);
-  const OccupancyMap map = random_map(random);
+  const OccupancyMap map = map_of_blocks(random);
   const ClearanceField field(map);
   for (int n = 0; n < 30; ++n) {
     const Point2 p = random_point(field.bounds(), random);
@@ -96,7 +96,7 @@ RC_GTEST_PROP(ClearanceField, AnswersAtPointsAgreeWithBruteForce, (std::uint64_t
 
 RC_GTEST_PROP(ClearanceField, AnswersOnSegmentsAgreeWithBruteForce, (std::uint64_t seed)) {
   Random random(seed);
-  const OccupancyMap map = random_map(random);
+  const OccupancyMap map = map_of_blocks(random);
   const ClearanceField field(map);
   for (int n = 0; n < 10; ++n) {
     const Point2 a = random_point(field.bounds(), random);

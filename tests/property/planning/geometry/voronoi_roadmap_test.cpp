@@ -15,7 +15,7 @@
 namespace coppice {
 namespace {
 
-OccupancyMap random_map(Random& random) {
+OccupancyMap map_of_cells(Random& random) {
   OccupancyMap map;
   map.width = 3 + static_cast<int>(random.index(10));
   map.height = 3 + static_cast<int>(random.index(10));
@@ -97,7 +97,7 @@ TEST(VoronoiRoadmap, EveryPathThatALatticeFindsIsFound) {
   int found = 0;
   int proved = 0;
   for (int trial = 0; trial < 3000; ++trial) {
-    const OccupancyMap map = random_map(random);
+    const OccupancyMap map = map_of_cells(random);
     const ClearanceField field(map);
     const double radius = fitting_radius(map, random);
     const Lattice lattice(field, radius);
@@ -176,7 +176,7 @@ TEST(VoronoiRoadmap, AClosedWallIsProvedToBeClosed) {
 TEST(FleetPlan, EverySearchOnASmallMapEndsAndAgreesWithTheRoadmap) {
   Random random(2);
   for (int trial = 0; trial < 10; ++trial) {
-    const OccupancyMap map = random_map(random);
+    const OccupancyMap map = map_of_cells(random);
     const ClearanceField field(map);
     const double radius = fitting_radius(map, random);
     const Lattice lattice(field, radius);

@@ -7,11 +7,12 @@
 
 #include "coppice/planning/map_generator.h"
 #include "planning/trees/suggestions.h"
+#include "tests/usual_robot.h"
 
 namespace coppice {
 namespace {
 
-constexpr double radius = 5;
+using test::radius;
 
 class FleetPlanOnMaps : public testing::TestWithParam<MapKind> {};
 

@@ -14,6 +14,7 @@
 #include "coppice/planning/random.h"
 #include "motion/body/driver.h"
 #include "robot_agent/peers/fleet.h"
+#include "simulation/fuzz_random.h"
 
 namespace coppice {
 namespace {
@@ -21,23 +22,19 @@ namespace {
 constexpr double oldest_state = 60;      // seconds
 constexpr double longest_transit = 0.7;  // seconds
 
-double log_uniform(double least, double most, Random& random) {
-  return std::exp(random.uniform(std::log(least), std::log(most)));
-}
-
 Point2 direction(Random& random) {
   const double angle = random.uniform(0, 2 * std::numbers::pi);
   return {std::cos(angle), std::sin(angle)};
 }
 
-struct Body {
+struct RobotKind {
   double radius = 0;
   Limits limits;
 };
 
-Body any_body(Random& random) {
+RobotKind any_kind(Random& random) {
   const double speed = log_uniform(0.1, 100, random);
-  Body body{random.uniform(0.1, 10), {speed, speed / log_uniform(0.05, 60, random)}};
+  RobotKind body{random.uniform(0.1, 10), {speed, speed / log_uniform(0.05, 60, random)}};
   if (random.index(2) == 0) {
     body.limits.max_angular_speed = 1;
     body.limits.max_angular_acceleration = 1;
@@ -45,7 +42,7 @@ Body any_body(Random& random) {
   return body;
 }
 
-Mission mission_of(const RobotName& robot, const Body& body) {
+Mission mission_of(const RobotName& robot, const RobotKind& body) {
   return {.robot = robot,
           .radius = body.radius,
           .max_speed = body.limits.max_speed,
@@ -56,7 +53,7 @@ Mission mission_of(const RobotName& robot, const Body& body) {
 }
 
 /// What "b" said at `stamp` by its clock. It may have bound itself to stand for longer.
-RobotState any_state(const Body& body, double stamp, Random& random) {
+RobotState any_state(const RobotKind& body, double stamp, Random& random) {
   RobotState state{
       .robot = "b",
       .promise = {.stamp = stamp, .turn = stamp + control_period, .expiry = stamp + 2 * control_period},
@@ -81,8 +78,8 @@ RobotState any_state(const Body& body, double stamp, Random& random) {
 // "a" sets off at full speed towards "b", which has driven at full speed towards "a" since its promise ended.
 RC_GTEST_PROP(Neighbours, NoRobotIsLeftOutThatCouldBeTouchedWithinTheWindow, (std::uint64_t seed)) {
   Random random(seed);
-  const Body own = any_body(random);
-  const Body other = any_body(random);
+  const RobotKind own = any_kind(random);
+  const RobotKind other = any_kind(random);
   // Times are by the clock of "a".
   const double behind = random.uniform(-5, 5);  // the clock of "b"
   const double stamp = 100;

@@ -14,15 +14,12 @@
 #include "motion/body/differential_drive.h"
 #include "motion/body/promise.h"
 #include "robot_agent/timing.h"
+#include "simulation/fuzz_random.h"
 
 namespace coppice {
 namespace {
 
 constexpr double rounding = 1e-9;  // share of the disc's radius
-
-double log_uniform(double least, double most, Random& random) {
-  return std::exp(random.uniform(std::log(least), std::log(most)));
-}
 
 Limits any_limits(Random& random) {
   const double speed = log_uniform(0.1, 100, random);

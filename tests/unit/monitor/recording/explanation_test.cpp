@@ -15,11 +15,12 @@
 #include "coppice/files/input_error.h"
 #include "monitor/recording/recorder.h"
 #include "tests/support.h"
+#include "tests/unit/monitor/recording/epoch.h"
 
 namespace coppice {
 namespace {
 
-constexpr WallTime epoch = 1.7e9;
+using test::epoch;
 
 void expect_in(const std::string& text, const std::string& part) {
   EXPECT_NE(text.find(part), std::string::npos) << part << "\nin: " << text;

@@ -9,11 +9,12 @@
 #include "monitor/recording/picture_book.h"
 #include "monitor/recording/recorder.h"
 #include "tests/support.h"
+#include "tests/unit/monitor/recording/epoch.h"
 
 namespace coppice {
 namespace {
 
-constexpr WallTime epoch = 1.7e9;
+using test::epoch;
 
 /// A robot drives at 1 m/s along x from x = 20 m for 10 s. The recording begins 0.5 s before the run.
 std::vector<Arrival> drive() {

@@ -14,11 +14,12 @@
 #include "monitor/recording/recorder.h"
 #include "monitor/recording/replay_clock.h"
 #include "tests/support.h"
+#include "tests/unit/monitor/recording/epoch.h"
 
 namespace coppice {
 namespace {
 
-constexpr WallTime epoch = 1.7e9;
+using test::epoch;
 
 RobotState state(const char* robot, double t) {
   return {

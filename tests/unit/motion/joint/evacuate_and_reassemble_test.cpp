@@ -9,17 +9,10 @@ namespace {
 
 using test::block;
 using test::driven;
+using test::hall_and_aisle;
 using test::open_map;
 
-/// A hall of 100 m x 100 m with an aisle 14 m wide that ends blind.
-OccupancyMap hall_and_aisle() {
-  OccupancyMap map = open_map(300, 100);
-  block(map, 100, 0, 300, 100);
-  block(map, 100, 43, 290, 57, false);
-  return map;
-}
-
-std::optional<JointPlan> solve(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
+std::optional<JointPlan> evacuated(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
   const ClearanceField field(map);
   EvacuateAndReassemble evacuation(field, tasks, Random(1));
   while (!evacuation.step()) {
@@ -28,7 +21,7 @@ std::optional<JointPlan> solve(const OccupancyMap& map, const std::vector<JointT
 }
 
 void expect_solved(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
-  const auto plan = solve(map, tasks);
+  const auto plan = evacuated(map, tasks);
   ASSERT_TRUE(plan);
   EXPECT_TRUE(plan->stranded.empty());
   const std::vector<Point2> ends = driven(map, tasks, *plan);
@@ -69,13 +62,13 @@ TEST(EvacuateAndReassemble, ThereIsNoPlanWithoutAVertexToParkOn) {
   OccupancyMap map = open_map(200, 40);
   block(map, 0, 0, 200, 40);
   block(map, 10, 13, 190, 27, false);
-  EXPECT_FALSE(solve(map, {{{30, 20}, Point2(170, 20), 5}, {{170, 20}, Point2(30, 20), 5}}));
+  EXPECT_FALSE(evacuated(map, {{{30, 20}, Point2(170, 20), 5}, {{170, 20}, Point2(30, 20), 5}}));
 }
 
 TEST(EvacuateAndReassemble, ARobotWithoutAPathIsStrandedAndTheOthersArrive) {
   const std::vector<JointTask> tasks{
       {{60, 20}, Point2(280, 50), 5}, {{150, 50}, Point2(20, 80), 5}, {{230, 50}, std::nullopt, 5, false}};
-  const auto plan = solve(hall_and_aisle(), tasks);
+  const auto plan = evacuated(hall_and_aisle(), tasks);
   ASSERT_TRUE(plan);
   EXPECT_EQ(plan->stranded, std::vector<std::size_t>{0});
   EXPECT_EQ(driven(hall_and_aisle(), tasks, *plan)[1], Point2(20, 80));

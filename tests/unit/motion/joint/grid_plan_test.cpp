@@ -7,14 +7,12 @@
 
 #include "coppice/files/plan_file.h"
 #include "coppice/planning/random.h"
+#include "tests/unit/motion/plans.h"
 
 namespace coppice {
 namespace {
 
-OccupancyMap open_map(int width, int height) {
-  const auto cells = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  return {.width = width, .height = height, .blocked = std::vector<std::uint8_t>(cells, 0)};
-}
+using test::open_map;
 
 // The check against a scenario refuses a plan in which discs touch, or that leads elsewhere.
 TEST(GridPlan, DiscsAsWideAsACellReachTheirGoalsAndDoNotTouch) {

@@ -15,6 +15,7 @@ namespace {
 
 using test::block;
 using test::driven;
+using test::hall_and_aisle;
 using test::open_map;
 
 /// A corridor of `width` along x through a blocked map, between two open halls.
@@ -219,14 +220,6 @@ TEST(JointPlan, FailedRobotsStayWhereTheyAre) {
       solve(corridor(14), {{{100, 60}, Point2(320, 60), 5}, {{200, 60}, std::nullopt, 5, false}});
   EXPECT_EQ(plan.stranded.size(), 1u);
   EXPECT_TRUE(plan.moves.empty());
-}
-
-/// A hall of 100 m x 100 m with an aisle 14 m wide that ends blind.
-OccupancyMap hall_and_aisle() {
-  OccupancyMap map = open_map(300, 100);
-  block(map, 100, 0, 300, 100);
-  block(map, 100, 43, 290, 57, false);
-  return map;
 }
 
 // The robot that stands nearest to the exit must go in deepest.

@@ -15,7 +15,7 @@
 namespace coppice {
 namespace {
 
-constexpr double radius = 5.3;
+constexpr double odd_radius = 5.3;
 constexpr double spacing = 2.5;
 constexpr double fine_within = 12.5;
 
@@ -55,7 +55,7 @@ std::vector<Lattice::Vertex> reached_from(Lattice::Vertex v, Lattice& lattice) {
 TEST(LatticeOfWalls, LeadsThroughAnAisleThatLiesBetweenTwoRows) {
   for (int left = 30; left < 35; ++left) {
     const ClearanceField field(corridor(left, 12));
-    Lattice lattice = Lattice::of_walls(field, field.bounds(), radius, spacing, fine_within);
+    Lattice lattice = Lattice::of_walls(field, field.bounds(), odd_radius, spacing, fine_within);
     const auto free = free_vertices(lattice);
     ASSERT_FALSE(free.empty()) << left;
     double farthest = 0;
@@ -69,7 +69,7 @@ TEST(LatticeOfWalls, HasTwoLanesWhereThereIsRoomForTwo) {
   constexpr int width = 24;
   for (int left = 30; left < 35; ++left) {
     const ClearanceField field(corridor(left, width));
-    Lattice lattice = Lattice::of_walls(field, field.bounds(), radius, spacing, fine_within);
+    Lattice lattice = Lattice::of_walls(field, field.bounds(), odd_radius, spacing, fine_within);
     double least = 1000;
     double most = 0;
     for (const Lattice::Vertex v : free_vertices(lattice)) {
@@ -85,17 +85,17 @@ TEST(LatticeOfWalls, NoVertexAndNoEdgeTouchesAnObstacle) {
   Random random(3);
   for (const MapKind kind : {MapKind::room, MapKind::maze, MapKind::dense}) {
     const ClearanceField field(generate_map(kind, 200, 200, random));
-    Lattice lattice = Lattice::of_walls(field, field.bounds(), radius, spacing, fine_within);
+    Lattice lattice = Lattice::of_walls(field, field.bounds(), odd_radius, spacing, fine_within);
     std::size_t moved = 0;
     for (const Lattice::Vertex v : free_vertices(lattice)) {
-      EXPECT_TRUE(field.is_free(lattice.at(v), radius));
+      EXPECT_TRUE(field.is_free(lattice.at(v), odd_radius));
       const Point2 steps = lattice.at(v) / spacing;
       moved += (steps - Point2(std::round(steps.x()), std::round(steps.y()))).norm() > 1e-9;
       lattice.for_each_neighbour(
           v, [](Lattice::Vertex) { return true; },
           [&](Lattice::Vertex w, double length) {
             EXPECT_NEAR(length, (lattice.at(v) - lattice.at(w)).norm(), 1e-9);
-            EXPECT_TRUE(field.segment_free(lattice.at(v), lattice.at(w), radius));
+            EXPECT_TRUE(field.segment_free(lattice.at(v), lattice.at(w), odd_radius));
           });
     }
     EXPECT_GT(moved, 0u);
@@ -104,7 +104,7 @@ TEST(LatticeOfWalls, NoVertexAndNoEdgeTouchesAnObstacle) {
 
 TEST(LatticeOfWalls, IsCoarseFarFromObstacles) {
   const ClearanceField field(test::open_map(200, 200));
-  Lattice lattice = Lattice::of_walls(field, field.bounds(), radius, spacing, fine_within);
+  Lattice lattice = Lattice::of_walls(field, field.bounds(), odd_radius, spacing, fine_within);
   const auto free = free_vertices(lattice);
   const Lattice::Vertex middle = *std::ranges::min_element(
       free, {}, [&](Lattice::Vertex v) { return (lattice.at(v) - Point2(100, 100)).norm(); });
@@ -120,7 +120,7 @@ TEST(LatticeOfWalls, IsCoarseFarFromObstacles) {
 
 TEST(LatticeOfWalls, IsConnectedWhereTheSpacingChanges) {
   const ClearanceField field(test::open_map(100, 100));
-  Lattice lattice = Lattice::of_walls(field, field.bounds(), radius, spacing, fine_within);
+  Lattice lattice = Lattice::of_walls(field, field.bounds(), odd_radius, spacing, fine_within);
   const auto free = free_vertices(lattice);
   EXPECT_EQ(reached_from(free.front(), lattice).size(), free.size());
 }

@@ -8,11 +8,12 @@
 
 #include "coppice/planning/map_generator.h"
 #include "motion/lattice/cost_to_go.h"
+#include "tests/usual_robot.h"
 
 namespace coppice {
 namespace {
 
-constexpr double radius = 5;
+using test::radius;
 constexpr double touching = 2 * radius + standing_gap;
 
 OccupancyMap corridor(int width) {

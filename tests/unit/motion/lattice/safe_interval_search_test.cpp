@@ -10,11 +10,12 @@
 
 #include "planning/geometry/voronoi_roadmap.h"
 #include "tests/unit/motion/plans.h"
+#include "tests/usual_robot.h"
 
 namespace coppice {
 namespace {
 
-constexpr double radius = 5;
+using test::radius;
 constexpr double speed = 20;
 constexpr Limits limits{speed, 40};
 

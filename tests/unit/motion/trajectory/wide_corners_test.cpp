@@ -11,12 +11,13 @@
 #include "motion/trajectory/earliest_along.h"
 #include "motion/trajectory/space_time.h"
 #include "tests/unit/motion/plans.h"
+#include "tests/usual_robot.h"
 
 namespace coppice {
 namespace {
 
-constexpr double radius = 5;
-constexpr double stray = reserved_stray_radii * radius;
+using test::radius;
+constexpr double usual_stray = reserved_stray_radii * radius;
 constexpr Limits limits{20, 40};
 
 Path corner(double degrees) {
@@ -25,12 +26,12 @@ Path corner(double degrees) {
 }
 
 Path wide(const Path& path, const OccupancyMap& map) {
-  return with_wide_corners(path, ClearanceField(map), radius, stray, limits);
+  return with_wide_corners(path, ClearanceField(map), radius, usual_stray, limits);
 }
 
 double seconds_along(const Path& path) {
   SpaceTime nobody({{0, 0}, {300, 300}}, radius);
-  return earliest_along(path, nobody, 0, stray, limits)->back().time;
+  return earliest_along(path, nobody, 0, usual_stray, limits)->back().time;
 }
 
 TEST(WideCorners, SlightTurnsAlongAnArcReplaceASharpOne) {
@@ -75,10 +76,11 @@ TEST(WideCorners, AStraightPathStaysAsItIs) {
 TEST(EarliestAlong, ARobotAloneLosesTimeAtCornersOnly) {
   const Path path = corner(40);
   SpaceTime nobody({{0, 0}, {300, 300}}, radius);
-  const auto found = earliest_along(path, nobody, 3, stray, limits);
+  const auto found = earliest_along(path, nobody, 3, usual_stray, limits);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->front(), (TimedPoint{3, path.front()}));
-  EXPECT_NEAR(found->back().time, 3 + length_of(path) / 20 + time_lost_at(path, 1, stray, limits), 1e-9);
+  EXPECT_NEAR(found->back().time, 3 + length_of(path) / 20 + time_lost_at(path, 1, usual_stray, limits),
+              1e-9);
   EXPECT_EQ(path_of(*found), path);
 }
 
@@ -87,7 +89,7 @@ TEST(EarliestAlong, ARobotLetsOthersPassAndComesNoCloser) {
   SpaceTime others({{0, 0}, {300, 300}}, radius);
   const Trajectory crossing{{0, {80, 160}}, {6, {80, 20}}};
   others.add(crossing, radius);
-  const auto found = earliest_along(path, others, 0, stray, limits);
+  const auto found = earliest_along(path, others, 0, usual_stray, limits);
   ASSERT_TRUE(found);
   EXPECT_GT(found->back().time, seconds_along(path) + 0.3);
   EXPECT_FALSE(come_too_close(*found, crossing, kept_apart(radius, radius) - 1e-6, 0));
@@ -97,7 +99,7 @@ TEST(EarliestAlong, NothingIsFoundIfTheRobotCannotStayAtTheEnd) {
   const Path path = corner(40);
   SpaceTime others({{0, 0}, {300, 300}}, radius);
   others.add_standing(path.back(), radius, SpaceTime::forever);
-  EXPECT_FALSE(earliest_along(path, others, 0, stray, limits));
+  EXPECT_FALSE(earliest_along(path, others, 0, usual_stray, limits));
 }
 
 }  // namespace

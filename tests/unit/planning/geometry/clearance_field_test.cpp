@@ -9,19 +9,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/drawn_map.h"
+
 namespace coppice {
 namespace {
 
-/// One string for each row; '#' is blocked. The first string is row 0.
-OccupancyMap drawn(const std::vector<std::string>& rows) {
-  OccupancyMap map;
-  map.width = static_cast<int>(rows.front().size());
-  map.height = static_cast<int>(rows.size());
-  for (const std::string& row : rows) {
-    for (const char c : row) map.blocked.push_back(c == '#' ? 1 : 0);
-  }
-  return map;
-}
+using test::drawn;
 
 /// A corridor `width` cells wide and 60 cells long in x, between rows of blocked cells.
 OccupancyMap corridor(int width) {

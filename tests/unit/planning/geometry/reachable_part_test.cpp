@@ -2,27 +2,21 @@
 #include <gtest/gtest.h>
 
 #include "planning/geometry/reachability.h"
+#include "tests/drawn_map.h"
 
 namespace coppice {
 namespace {
 
-OccupancyMap drawn(const std::vector<std::string>& rows) {
-  OccupancyMap map{
-      .width = static_cast<int>(rows[0].size()), .height = static_cast<int>(rows.size()), .blocked = {}};
-  for (const std::string& row : rows) {
-    for (const char cell : row) map.blocked.push_back(cell == '@');
-  }
-  return map;
-}
+using test::drawn;
 
-const std::vector<std::string> two_rooms{"@@@@@@@@@",  //
-                                         "@...@...@",  //
-                                         "@.......@",  //
-                                         "@...@...@",  //
-                                         "@@@@@@@@@"};
+const std::vector<std::string> rooms_with_a_door{"@@@@@@@@@",  //
+                                                 "@...@...@",  //
+                                                 "@.......@",  //
+                                                 "@...@...@",  //
+                                                 "@@@@@@@@@"};
 
 TEST(ReachablePart, ThePartLeadsThroughADoorOfOneCell) {
-  const ClearanceField field(drawn(two_rooms));
+  const ClearanceField field(drawn(rooms_with_a_door));
   for (const double radius : {0.3, 0.4, 0.49, 0.5}) {
     EXPECT_EQ(ReachablePart::largest(field, radius).size(), 19u) << radius;
     EXPECT_TRUE(ReachablePart::around(field, radius, {1.5, 1.5}).contains({7.5, 3.5})) << radius;
@@ -76,7 +70,7 @@ TEST(ReachablePart, ThePartLeadsAskewBetweenTwoCorners) {
 }
 
 TEST(ReachablePart, ThePartIsEmptyWhereTheDiscDoesNotFit) {
-  const ClearanceField field(drawn(two_rooms));
+  const ClearanceField field(drawn(rooms_with_a_door));
   EXPECT_TRUE(ReachablePart::around(field, 0.4, {4.5, 1.5}).empty());  // in the wall
   EXPECT_TRUE(ReachablePart::around(field, 0.4, {1.3, 1.5}).empty());  // too near to the wall
   EXPECT_TRUE(ReachablePart::around(field, 0.4, {-3, 1.5}).empty());   // outside of the map
@@ -85,7 +79,7 @@ TEST(ReachablePart, ThePartIsEmptyWhereTheDiscDoesNotFit) {
 }
 
 TEST(ReachablePart, ThePartIsExactOnFineMapsFarFromTheOrigin) {
-  OccupancyMap map = drawn(two_rooms);
+  OccupancyMap map = drawn(rooms_with_a_door);
   map.resolution = 0.05;
   map.origin = {500000.123, 5400000.456};
   const ClearanceField field(map);

@@ -11,11 +11,12 @@
 #include "motion/trajectory/space_time.h"
 #include "tests/unit/motion/plans.h"
 #include "tests/unit/motion/trajectories.h"
+#include "tests/usual_robot.h"
 
 namespace coppice {
 namespace {
 
-constexpr double radius = 5;
+using test::radius;
 
 FleetMember member(const RobotName& name, const Point2& position, const Point2& goal) {
   FleetMember m;

@@ -7,11 +7,12 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/motion/plans.h"
+#include "tests/usual_robot.h"
 
 namespace coppice {
 namespace {
 
-constexpr double radius = 5;
+using test::radius;
 
 /// A corridor from left to right, 200 m long, between walls.
 ClearanceField corridor(std::size_t width) {

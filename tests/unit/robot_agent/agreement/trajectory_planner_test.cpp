@@ -4,13 +4,14 @@
 #include <gtest/gtest.h>
 
 #include "tests/unit/motion/plans.h"
+#include "tests/usual_robot.h"
 #include "tests/winding_map.h"
 
 namespace coppice {
 namespace {
 
-constexpr double radius = 5;
-const Limits limits{20, 40};
+using test::limits;
+using test::radius;
 
 class TrajectoryPlannerTest : public testing::Test {
  protected:
