@@ -48,7 +48,7 @@ std::vector<Scene> clusters(double share) {
       const Promise c{.stamp = stamp,
                       .position = p,
                       .velocity = v,
-                      .turn = stamp + period,
+                      .decision_time = stamp + period,
                       .next_velocity = v,
                       .expiry = stamp + (v.isZero(0) ? 0.5 : 2 * period)};
       scene.others.push_back({.promise = c, .radius = radius, .limits = limits, .clock_error = 0.001});

@@ -202,7 +202,7 @@ COPPICE_FIELDS(RobotState, "RobotState",
   COPPICE_FIELD(7, max_speed),
   COPPICE_FIELD(8, max_acceleration),
   COPPICE_FIELD(9, phase),
-  COPPICE_FIELD_AT(10, promise_turn, promise.turn, promise_turn()),
+  COPPICE_FIELD_AT(10, promise_decision_time, promise.decision_time, promise_decision_time()),
   COPPICE_FIELD_AT(11, promise_velocity, promise.next_velocity, promise_velocity()),
   COPPICE_FIELD_AT(12, promise_expiry, promise.expiry, promise_expiry()),
   (Field{13, "round", [](auto& m) -> auto& { return m.round; }, [](auto& dds) { return RoundOfState{dds}; }}),
@@ -258,7 +258,8 @@ COPPICE_FIELDS(ReservationMessage, "Reservation",
   COPPICE_FIELD_AT(8, plan_leader, plan.leader, plan_leader()),
   COPPICE_FIELD_AT(9, plan_epoch, plan.epoch, plan_epoch()),
   COPPICE_FIELD_AT(10, plan_shift, plan.shift, plan_shift()),
-  COPPICE_FIELD(11, priority));
+  COPPICE_FIELD(11, priority),
+  COPPICE_FIELD(12, first_number));
 
 COPPICE_FIELDS(PathMessage, "Path",
   COPPICE_FIELD(1, robot),

@@ -291,7 +291,8 @@ enum class Priority : std::uint8_t {
 /// (docs/coordination.md). A later number replaces an earlier one.
 struct ReservationMessage {
   RobotName robot;
-  std::uint32_t number = 0;  ///< above 0
+  std::uint32_t number = 0;        ///< above 0
+  std::uint32_t first_number = 0;  ///< of this trajectory: it may have been renewed under later numbers
   double radius = 0;
   double way = 0;                         ///< metres to its goal; 0: it wants no reservation
   Trajectory trajectory{};                ///< by its clock; empty: it has none

@@ -4,8 +4,6 @@
 // Seconds of fleet time.
 #pragma once
 
-#include <cstdint>
-
 #include "messages/messages.h"
 
 namespace coppice {
@@ -13,17 +11,11 @@ namespace coppice {
 bool is_of_plan(const ReservationMessage& r);
 bool are_of_one_plan(const ReservationMessage& a, const ReservationMessage& b);
 
-/// A reservation, and the first number of its trajectory: it may have been renewed under others since.
-struct RenewedReservation {
-  const ReservationMessage& message;
-  std::uint32_t since;
-};
-
 /// They were planned around each other, or one of them around the other.
-bool are_related(const RenewedReservation& a, const RenewedReservation& b);
+bool are_related(const ReservationMessage& a, const ReservationMessage& b);
 
 /// Seconds to be added to the times of `other`, so that all robots order the two alike. `estimate`: the
 /// difference of the clocks, where neither reservation tells it.
-double offset_between(const RenewedReservation& own, const RenewedReservation& other, double estimate);
+double offset_between(const ReservationMessage& own, const ReservationMessage& other, double estimate);
 
 }  // namespace coppice

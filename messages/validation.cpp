@@ -174,10 +174,10 @@ Problem check(const RobotState& m) {
   };
   return first_of(
       {{named(m.robot), "robot name is empty, too long or not printable"},
-       {is_sane(m.promise.stamp) && is_sane(m.promise.turn) && is_sane(m.promise.expiry),
+       {is_sane(m.promise.stamp) && is_sane(m.promise.decision_time) && is_sane(m.promise.expiry),
         "time is not finite"},
        {std::isfinite(m.run.epoch), "run has no time"},
-       {m.promise.stamp <= m.promise.turn && m.promise.turn <= m.promise.expiry,
+       {m.promise.stamp <= m.promise.decision_time && m.promise.decision_time <= m.promise.expiry,
         "promise ends before it begins"},
        {m.promise.expiry - m.promise.stamp <= longest_promise, "promise is too long"},
        {sane(m.promise.position), "position is not finite"},
@@ -250,15 +250,16 @@ Problem check(const JointPlanMessage& m) {
 
 Problem check(const ReservationMessage& m) {
   const bool of_plan = !m.plan.leader.empty();
-  Problem problem =
-      first_of({{named(m.robot), "robot name is empty, too long or not printable"},
-                {m.number > 0, "it has no number"},
-                {std::isfinite(m.run.epoch), "run has no time"},
-                {is_sane_size(m.radius), "radius is out of range"},
-                {not_negative(m.way), "way is negative or not finite"},
-                {m.priority <= Priority::last, "unknown priority"},
-                {!of_plan || (named(m.plan.leader) && m.plan.epoch > 0 && is_sane(m.plan.shift)),
-                 "joint plan has no epoch, or an odd leader or time"}});
+  Problem problem = first_of(
+      {{named(m.robot), "robot name is empty, too long or not printable"},
+       {m.number > 0, "it has no number"},
+       {m.first_number > 0 && m.first_number <= m.number, "its trajectory has no number, or a later one"},
+       {std::isfinite(m.run.epoch), "run has no time"},
+       {is_sane_size(m.radius), "radius is out of range"},
+       {not_negative(m.way), "way is negative or not finite"},
+       {m.priority <= Priority::last, "unknown priority"},
+       {!of_plan || (named(m.plan.leader) && m.plan.epoch > 0 && is_sane(m.plan.shift)),
+        "joint plan has no epoch, or an odd leader or time"}});
   if (!problem) problem = problem_with(m.trajectory, m.radius);
   if (!problem) problem = problem_with(m.basis);
   return problem;

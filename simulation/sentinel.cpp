@@ -121,7 +121,7 @@ void Sentinel::check_promise(const Robot& robot, const RobotState& state, double
       driven_on(Driver(*robot.promise, state.radius, limits_of(state), control_period), next.stamp);
   const bool is_elsewhere = (promised.position() - next.position).norm() > rounding_of_places ||
                             (promised.velocity() - next.velocity).norm() > rounding_of_places;
-  const bool is_bound = next.turn + rounding_of_times < robot.promise->expiry;
+  const bool is_bound = next.decision_time + rounding_of_times < robot.promise->expiry;
   const bool turns_away =
       is_bound && (promised.promise().next_velocity - next.next_velocity).norm() > rounding_of_places;
   if (is_elsewhere || turns_away)
@@ -132,7 +132,7 @@ void Sentinel::check_promise(const Robot& robot, const RobotState& state, double
 void Sentinel::check_progress(const Robot& robot, const ReservedStrip& strip, const RobotState& state,
                               double now) {
   const Point2 said = strip.way.at(state.reservation_progress);
-  const double off = (said - state.promise.position_at_turn()).norm();
+  const double off = (said - state.promise.position_at_decision()).norm();
   if (off <= strip.stray + close_to_an_end * state.radius) return;
   breaks(
       fmt::format("L14: {} says that it comes {:.3f} m along its way, and is {:.3f} m off that, at {:.3f} s",
@@ -235,8 +235,8 @@ void Sentinel::check_strips(std::size_t number, double now) {
 /// L14: whom a robot left out of a decision is in its strip. The robot is in its own strip, too. Until its
 /// turn it is on the line of the decision before.
 void Sentinel::rely(Robot& robot, std::span<const ReservationId> left_out, double now) {
-  const double turn = robot.line.begin + robot.line.period;
-  for (Reliance& reliance : robot.relies) reliance.until = std::min(reliance.until, turn);
+  const double decision_time = robot.line.begin + robot.line.period;
+  for (Reliance& reliance : robot.relies) reliance.until = std::min(reliance.until, decision_time);
   std::erase_if(robot.relies, [&](const Reliance& reliance) { return reliance.until <= now; });
   const double until = robot.line.end();
   if (left_out.empty() || until <= now) return;

@@ -136,7 +136,7 @@ struct Motion {
 /// The motion in Foxglove's frame.
 Motion motion_of(const RobotState& state, double time, Projection projection) {
   const Point2 velocity =
-      projection(time < state.promise.turn ? state.promise.velocity : state.promise.next_velocity);
+      projection(time < state.promise.decision_time ? state.promise.velocity : state.promise.next_velocity);
   const bool moves = velocity.norm() > standing;
   const double yaw = (projection.y_down ? -1 : 1) * yaw_at(state, time);
   const double heading = state.max_angular_speed > 0 ? yaw

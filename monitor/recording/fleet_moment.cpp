@@ -119,11 +119,9 @@ void FleetMoment::receive(const ReservationMessage& message, WallTime) {
   const SaidReservation* const last = reservation(message.robot);
   const bool is_new = last == nullptr || last->message.run != message.run;
   if (!is_new && message.number <= last->message.number) return;
-  const bool is_renewed = !is_new && last->message.trajectory == message.trajectory;
   const bool had_one = !is_new && last->has_trajectory();
-  SaidReservation said{message, is_renewed ? last->since : message.number,
-                       message.trajectory.empty() && had_one};
-  reservations_.insert_or_assign(message.robot, std::move(said));
+  reservations_.insert_or_assign(message.robot,
+                                 SaidReservation{message, message.trajectory.empty() && had_one});
 }
 
 }  // namespace coppice

@@ -17,7 +17,6 @@ namespace coppice {
 /// The last reservation message of a robot.
 struct SaidReservation {
   ReservationMessage message;
-  std::uint32_t since = 0;   ///< the first number of this trajectory
   bool is_given_up = false;  ///< it has no trajectory, and the one before it had one
   bool has_trajectory() const { return !message.trajectory.empty(); }
   /// The robot waits for its turn to reserve.

@@ -13,7 +13,7 @@ namespace {
 
 /// The number of the reservation that the robot carries out is that of the message.
 bool is_carried_out(const SaidReservation* said, const RobotState& robot) {
-  return said != nullptr && said->has_trajectory() && robot.reservation >= said->since &&
+  return said != nullptr && said->has_trajectory() && robot.reservation >= said->message.first_number &&
          robot.reservation <= said->message.number;
 }
 
@@ -28,7 +28,7 @@ std::optional<GateAhead> gate_ahead(const FleetMoment& moment, const RobotState&
     return std::nullopt;
   if (!first->has_trajectory()) return std::nullopt;
   const double passed = is_carried_out(first, *other->state) ? other->state->reservation_progress : 0;
-  const double offset = offset_between({own->message, own->since}, {first->message, first->since}, 0);
+  const double offset = offset_between(own->message, first->message, 0);
   const std::vector<Gate> gates = order_of(own->message.trajectory, robot.radius, first->message.trajectory,
                                            first->message.radius, offset)
                                       .gates;

@@ -51,7 +51,7 @@ std::string where_it_was(const Moment& m) {
   if (is_lost(m.robot, m.now))
     return fmt::format("Place: not known. It was last heard at {}, {:.1f} s before.",
                        place(state.promise.position), fleet_now - state.promise.stamp);
-  const bool turned = fleet_now >= state.promise.turn;
+  const bool turned = fleet_now >= state.promise.decision_time;
   const Point2 v = turned ? state.promise.next_velocity : state.promise.velocity;
   if (v.isZero(0)) return fmt::format("Place: {}. It stood.", at);
   return fmt::format("Place: {}. It drove with {:.2f} m/s (at most {:.2f}), velocity ({:.2f}, {:.2f}).", at,
@@ -110,7 +110,7 @@ std::string progress_of(const Moment& m, const ReservationMessage& r) {
   const RobotState& state = *m.robot.state;
   if (state.reservation != r.number) return " It had not set out on it.";
   const double leaves = rest_of(r.trajectory, state.reservation_progress).front().time;
-  const double late = state.promise.turn - leaves;
+  const double late = state.promise.decision_time - leaves;
   return fmt::format(" It had come {} along it; by its times it leaves that place at {:.2f} s{}.",
                      metres(state.reservation_progress), m.fleet.time_of(leaves).value_or(0),
                      late > in_time ? fmt::format(", so it was {:.1f} s late", late) : "");

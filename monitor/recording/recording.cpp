@@ -48,6 +48,12 @@ McapMessages messages_of(const Recording& recording, const Topics& topics, mcap:
   return {recording.file(), from, until, recording.channels_of(topics)};
 }
 
+/// Recordings of earlier versions do not tell the first number of a trajectory.
+void complete(Message& message) {
+  auto* const r = std::get_if<ReservationMessage>(&message);
+  if (r != nullptr && r->first_number == 0) r->first_number = r->number;
+}
+
 }  // namespace
 
 Recording::Recording(const std::string& file) : reader_(recording_in(file)) {
@@ -119,6 +125,7 @@ std::optional<Arrival> Playback::next() {
 std::optional<Arrival> Playback::next_of(McapMessages& messages) {
   while (const mcap::Message* const next = messages.next()) {
     auto message = message_in(*recording_->topic_of(next->channel), next->data);
+    if (message) complete(*message);
     if (message && !problem_with(*message)) return arrival_of(std::move(*message), wall_time(next->log_time));
     ++rejected_;
   }

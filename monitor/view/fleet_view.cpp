@@ -79,7 +79,7 @@ void MissedShare::on(std::uint32_t periods, std::uint32_t missed) {
 
 Point2 position_at(const RobotState& state, double time) {
   const double first =
-      std::clamp(time, state.promise.stamp, std::max(state.promise.stamp, state.promise.turn));
+      std::clamp(time, state.promise.stamp, std::max(state.promise.stamp, state.promise.decision_time));
   const double second = std::clamp(time, first, std::max(first, state.promise.expiry));
   return state.promise.position + (first - state.promise.stamp) * state.promise.velocity +
          (second - first) * state.promise.next_velocity;
@@ -87,8 +87,9 @@ Point2 position_at(const RobotState& state, double time) {
 
 double yaw_at(const RobotState& state, double time) {
   const double first =
-      std::clamp(time, state.promise.stamp, std::max(state.promise.stamp, state.promise.turn));
-  const double second = std::clamp(time, first, std::max(first, state.promise.turn + control_period));
+      std::clamp(time, state.promise.stamp, std::max(state.promise.stamp, state.promise.decision_time));
+  const double second =
+      std::clamp(time, first, std::max(first, state.promise.decision_time + control_period));
   return wrapped(state.promise.yaw + (first - state.promise.stamp) * state.promise.angular_velocity +
                  (second - first) * state.promise.next_angular_velocity);
 }

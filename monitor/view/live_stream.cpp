@@ -106,7 +106,7 @@ live::Figures::Point point_of(const FleetFigures& figures) {
 }
 
 Point2 velocity_at(const RobotState& state, double time) {
-  if (time < state.promise.turn) return state.promise.velocity;
+  if (time < state.promise.decision_time) return state.promise.velocity;
   return time < state.promise.expiry ? state.promise.next_velocity : Point2(Point2::Zero());
 }
 
@@ -116,7 +116,7 @@ void add_unheard(live::Frame& frame, WallTime silence) {
                      frame.mutable_yaw()})
     list->Add(unknown);
   for (auto* list :
-       {frame.mutable_vx(), frame.mutable_vy(), frame.mutable_turn(), frame.mutable_next_vx(),
+       {frame.mutable_vx(), frame.mutable_vy(), frame.mutable_decision_time(), frame.mutable_next_vx(),
         frame.mutable_next_vy(), frame.mutable_expiry(), frame.mutable_waiting(), frame.mutable_idle()})
     list->Add(0);
   frame.add_silence(static_cast<float>(silence));
@@ -139,7 +139,7 @@ void add_robot(live::Frame& frame, const FleetView& view, const SeenRobot& robot
   frame.mutable_phase()->push_back(static_cast<char>(phase_of(robot)));
   frame.mutable_stage()->push_back(static_cast<char>(state.stage));
   frame.add_waits_for(leader ? static_cast<std::int32_t>(*leader) : -1);
-  frame.add_turn(as_float(std::max(0.0, state.promise.turn - time)));
+  frame.add_decision_time(as_float(std::max(0.0, state.promise.decision_time - time)));
   frame.add_next_vx(as_float(state.promise.next_velocity.x()));
   frame.add_next_vy(as_float(state.promise.next_velocity.y()));
   frame.add_expiry(as_float(std::max(0.0, state.promise.expiry - time)));

@@ -20,14 +20,15 @@ class NeighbourRegion {
       : n_(neighbour),
         period_(period),
         reach_(own_radius + neighbour.radius + margin),
-        at_turn_(n_.promise.position_at_turn()),
+        at_decision_(n_.promise.position_at_decision()),
         at_expiry_(n_.promise.position_at_expiry()) {}
 
   bool clear(const Point2& a0, const Point2& a1, double t0, double t1) const {
-    // The promise bends at `turn` and ends at `expiry`: each part of the interval is checked by itself.
+    // The promise bends at `decision_time` and ends at `expiry`: each part of the interval is checked by
+    // itself.
     double begin = t0;
     Point2 from = a0;
-    for (const double cut : {n_.promise.turn, n_.promise.expiry, t1}) {
+    for (const double cut : {n_.promise.decision_time, n_.promise.expiry, t1}) {
       const double end = std::clamp(cut, begin, t1);
       if (end == begin) continue;
       const Point2 to = a0 + (a1 - a0) * ((end - t0) / (t1 - t0));
@@ -60,8 +61,9 @@ class NeighbourRegion {
     }
     const double since = t1 + e - p.expiry;
     // With a clock error, the neighbour may still have its old velocity around its turn.
-    const double before_turn = t0 < p.turn ? p.turn - p.stamp : std::min(e, p.turn - p.stamp);
-    const double turned = e > 0 ? before_turn * (p.next_velocity - p.velocity).norm() : 0;
+    const double before_decision =
+        t0 < p.decision_time ? p.decision_time - p.stamp : std::min(e, p.decision_time - p.stamp);
+    const double turned = e > 0 ? before_decision * (p.next_velocity - p.velocity).norm() : 0;
     const double drift = drift_within(since) + e * promised_speed + turned;
     if (closest_approach(a0, a1, ballistic(t0), ballistic(t1)) >= reach_ + drift) return true;
     const double free_reach = n_.limits.max_speed * std::max(since, p.expiry - t0 + e);
@@ -70,15 +72,15 @@ class NeighbourRegion {
 
   Point2 promised(double t) const {
     const Promise& p = n_.promise;
-    return t <= p.turn ? Point2(p.position + (t - p.stamp) * p.velocity)
-                       : Point2(at_turn_ + (t - p.turn) * p.next_velocity);
+    return t <= p.decision_time ? Point2(p.position + (t - p.stamp) * p.velocity)
+                                : Point2(at_decision_ + (t - p.decision_time) * p.next_velocity);
   }
   Point2 ballistic(double t) const { return at_expiry_ + (t - n_.promise.expiry) * n_.promise.next_velocity; }
 
   const Neighbour& n_;
   double period_;
   double reach_;
-  Point2 at_turn_;
+  Point2 at_decision_;
   Point2 at_expiry_;
 };
 

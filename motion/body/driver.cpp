@@ -42,14 +42,14 @@ Driver::Driver(const Promise& promise, double radius, const Limits& limits, doub
 
 void Driver::advance() {
   position_ += period_ * twist_.velocity;
-  yaw_ = turn_yaw();
+  yaw_ = decision_yaw();
   time_ += period_;
   twist_ = next_;
   next_ = braking();
 }
 
 Twist Driver::facing(double yaw) const {
-  return {Point2::Zero(), turning_to(yaw, twist_, turn_yaw(), limits_, period_)};
+  return {Point2::Zero(), turning_to(yaw, twist_, decision_yaw(), limits_, period_)};
 }
 
 void Driver::stay(double until) {
@@ -60,7 +60,7 @@ Promise Driver::promise() const {
   return {.stamp = time_,
           .position = position_,
           .velocity = twist_.velocity,
-          .turn = time_ + period_,
+          .decision_time = time_ + period_,
           .next_velocity = next_.velocity,
           .expiry = std::max(time_ + 2 * period_, stays_until_),
           .yaw = yaw_,
@@ -72,9 +72,9 @@ Promise Driver::promise() const {
 /// too, so it is checked first.
 bool Driver::safe(const Twist& twist, std::span<const Neighbour> neighbours, const ClearanceField& field,
                   std::size_t& suspect) const {
-  if (!clear_of_obstacles(turn_position(), twist, radius_, limits_, period_, field)) return false;
+  if (!clear_of_obstacles(decision_position(), twist, radius_, limits_, period_, field)) return false;
   const auto in_the_way = [&](std::span<const Neighbour> of) {
-    return first_in_the_way(turn_position(), twist, time_ + period_, radius_, limits_, period_, of);
+    return first_in_the_way(decision_position(), twist, time_ + period_, radius_, limits_, period_, of);
   };
   if (suspect < neighbours.size() && in_the_way(neighbours.subspan(suspect, 1)) == 0) return false;
   suspect = in_the_way(neighbours);
@@ -84,18 +84,20 @@ bool Driver::safe(const Twist& twist, std::span<const Neighbour> neighbours, con
 /// The velocity nearest to the preferred one that reciprocal velocity obstacles allow.
 Point2 Driver::proposal(const Point2& preferred, std::span<const Neighbour> neighbours,
                         const ClearanceField& field) const {
-  const double turn = time_ + period_;
-  const MovingDisc self{turn_position(), twist_.velocity, radius_};
+  const double decision_time = time_ + period_;
+  const MovingDisc self{decision_position(), twist_.velocity, radius_};
   std::vector<HalfPlane> obstacles;
   obstacle_half_planes(field, self.position, radius_, limits_.max_speed * obstacle_horizon, obstacle_horizon,
                        obstacles);
   std::vector<HalfPlane> robots;
   for (const Neighbour& n : neighbours) {
     const Promise& c = n.promise;
-    const bool rests = c.velocity.isZero(0) && c.next_velocity.isZero(0) && c.expiry > turn + 2 * period_;
+    const bool rests =
+        c.velocity.isZero(0) && c.next_velocity.isZero(0) && c.expiry > decision_time + 2 * period_;
     const bool moves = !rests;
     const Point2 position =
-        moves ? Point2(c.position_at_expiry() + (turn - c.expiry) * c.next_velocity) : c.position_at_expiry();
+        moves ? Point2(c.position_at_expiry() + (decision_time - c.expiry) * c.next_velocity)
+              : c.position_at_expiry();
     const MovingDisc other{position, moves ? c.next_velocity : Point2::Zero(), n.radius};
     const double reach = radius_ + n.radius + horizon * (limits_.max_speed + n.limits.max_speed);
     if ((other.position - self.position).norm() > reach) continue;
@@ -107,13 +109,13 @@ Point2 Driver::proposal(const Point2& preferred, std::span<const Neighbour> neig
 
 /// The twist at the next turn whose velocity is closest to `wanted`.
 Twist Driver::nearest_to(const Point2& wanted) const {
-  if (is_differential(limits_)) return twist_towards(wanted, twist_, turn_yaw(), limits_, period_);
+  if (is_differential(limits_)) return twist_towards(wanted, twist_, decision_yaw(), limits_, period_);
   return {within_limits(wanted, twist_.velocity, limits_, period_), 0};
 }
 
 /// Twists that the robot can take at its next turn, in all directions.
 std::vector<Twist> Driver::around_present() const {
-  if (is_differential(limits_)) return twists_after(twist_, turn_yaw(), limits_, period_);
+  if (is_differential(limits_)) return twists_after(twist_, decision_yaw(), limits_, period_);
   std::vector<Twist> twists;
   const double reach = std::min(limits_.max_acceleration * period_, limits_.max_speed);
   for (const double share : shares) {
@@ -145,14 +147,14 @@ Twist Driver::evading(const Point2& preferred, std::span<const Neighbour> neighb
 }
 
 bool Driver::is_blocked_by(const Neighbour& other, const Point2& wanted) const {
-  return first_in_the_way(turn_position(), nearest_to(wanted), time_ + period_, radius_, limits_, period_,
+  return first_in_the_way(decision_position(), nearest_to(wanted), time_ + period_, radius_, limits_, period_,
                           {&other, 1}) == 0;
 }
 
 Point2 Driver::slow_to_turn(const Point2& wanted, double stray) const {
   const double speed = wanted.norm();
   if (!is_differential(limits_) || speed == 0) return wanted;
-  const double angle = std::abs(wrapped(std::atan2(wanted.y(), wanted.x()) - turn_yaw()));
+  const double angle = std::abs(wrapped(std::atan2(wanted.y(), wanted.x()) - decision_yaw()));
   const double drift = speed * angle * time_to_turn(angle, limits_);  // at the most
   return drift > stray ? Point2(wanted * (stray / drift)) : wanted;
 }
@@ -194,14 +196,15 @@ bool Driver::leads_out(const Twist& twist, const ClearanceField& field) const {
   if (std::abs(twist.angular_velocity) > straight) return false;
   const double speed = twist.velocity.norm();
   const double rest = period_ + speed / (2 * limits_.max_acceleration) + period_;
-  return coppice::leads_out(field, turn_position(), turn_position() + rest * twist.velocity,
+  return coppice::leads_out(field, decision_position(), decision_position() + rest * twist.velocity,
                             driving_radius(radius_, limits_));
 }
 
 std::optional<Twist> Driver::driving_out(const Point2& to, std::span<const Neighbour> neighbours,
                                          const ClearanceField& field) const {
-  const Point2 way = to - turn_position();
-  if (bound_to_stand() || field.is_free(turn_position(), driving_radius(radius_, limits_))) return braking();
+  const Point2 way = to - decision_position();
+  if (bound_to_stand() || field.is_free(decision_position(), driving_radius(radius_, limits_)))
+    return braking();
   const double gap = way.norm();
   const double yaw = std::atan2(way.y(), way.x());
   const bool comes_to_stand = twist_.velocity.isZero(0) && braking().velocity.isZero(0);
@@ -209,8 +212,8 @@ std::optional<Twist> Driver::driving_out(const Point2& to, std::span<const Neigh
   const double fast = std::min(limits_.max_speed, std::sqrt(limits_.max_acceleration * gap));
   for (const double share : {1.0, 0.5, 0.2, 0.05}) {
     const Twist twist = nearest_to(share * fast / gap * way);
-    const bool is_clear = first_in_the_way(turn_position(), twist, time_ + period_, radius_, limits_, period_,
-                                           neighbours) == neighbours.size();
+    const bool is_clear = first_in_the_way(decision_position(), twist, time_ + period_, radius_, limits_,
+                                           period_, neighbours) == neighbours.size();
     if (is_clear && leads_out(twist, field)) return twist;
   }
   return std::nullopt;

@@ -41,7 +41,7 @@ class Driver {
   /// another one is chosen.
   void advance();
 
-  /// Chooses the twist of the period after the current one, from the turn on.
+  /// Chooses the twist of the period after the current one, from the decision time on.
   void take(const Twist& next) { next_ = next; }
 
   // What the robot may choose. A robot that is bound to stand brakes, whatever it wants.
@@ -57,7 +57,7 @@ class Driver {
   /// strays by `stray` metres at most meanwhile.
   Point2 slow_to_turn(const Point2& wanted, double stray) const;
 
-  /// Whether a robot may take a twist from turn_position() on, for one period, and then brake.
+  /// Whether a robot may take a twist from decision_position() on, for one period, and then brake.
   using Allowed = std::function<bool(const Twist&)>;
 
   struct Followed {
@@ -102,7 +102,7 @@ class Driver {
     return twist_.angular_velocity;
   }  ///< radians a second, from time() on, for one period
   const Point2& velocity() const { return twist_.velocity; }  ///< from time() on, for one period
-  Point2 turn_position() const { return position_ + period_ * twist_.velocity; }  ///< one period later
+  Point2 decision_position() const { return position_ + period_ * twist_.velocity; }  ///< one period later
   bool stands() const { return twist_.velocity.isZero(0) && next_.velocity.isZero(0); }
   /// A differential robot turns on the spot, or will.
   bool turns_on_the_spot() const {
@@ -118,7 +118,9 @@ class Driver {
             std::size_t& suspect) const;
   bool leads_out(const Twist& twist, const ClearanceField& field) const;
   Twist nearest_to(const Point2& wanted) const;
-  double turn_yaw() const { return wrapped(yaw_ + period_ * twist_.angular_velocity); }  ///< one period later
+  double decision_yaw() const {
+    return wrapped(yaw_ + period_ * twist_.angular_velocity);
+  }  ///< one period later
   std::vector<Twist> around_present() const;
 
   Point2 position_;

@@ -24,21 +24,23 @@ namespace coppice {
 struct Promise {
   double stamp = 0;
   Point2 position = Point2::Zero();  ///< at stamp
-  Point2 velocity = Point2::Zero();  ///< from stamp to turn
-  double turn = 0;
-  Point2 next_velocity = Point2::Zero();  ///< from turn to expiry
+  Point2 velocity = Point2::Zero();  ///< from stamp to decision_time
+  double decision_time = 0;
+  Point2 next_velocity = Point2::Zero();  ///< from decision_time to expiry
   double expiry = 0;
   double yaw = 0;                    ///< radians, at stamp; of a differential robot, like the next two
-  double angular_velocity = 0;       ///< radians a second, from stamp to turn
-  double next_angular_velocity = 0;  ///< from turn to expiry
+  double angular_velocity = 0;       ///< radians a second, from stamp to decision_time
+  double next_angular_velocity = 0;  ///< from decision_time to expiry
 
-  Point2 position_at_turn() const { return position + (turn - stamp) * velocity; }
-  Point2 position_at_expiry() const { return position_at_turn() + (expiry - turn) * next_velocity; }
+  Point2 position_at_decision() const { return position + (decision_time - stamp) * velocity; }
+  Point2 position_at_expiry() const {
+    return position_at_decision() + (expiry - decision_time) * next_velocity;
+  }
   /// The same promise by a clock that is ahead by `offset` seconds.
   Promise shifted_by(double offset) const {
     Promise shifted = *this;
     shifted.stamp += offset;
-    shifted.turn += offset;
+    shifted.decision_time += offset;
     shifted.expiry += offset;
     return shifted;
   }

@@ -50,14 +50,13 @@ double committed(double progress, double speed, const Limits& limits, std::span<
 HeldReservation::HeldReservation(std::shared_ptr<const ReservationMessage> own, const Limits& limits,
                                  const Reservations& others)
     : own_(std::move(own)),
-      since_(own_->number),
       others_(&others),
       follower_(legs_of(path_of(own_->trajectory)), own_->radius, reserved_stray_radii * own_->radius),
       corners_(corners_of(path_of(own_->trajectory), reserved_stray_radii * own_->radius)),
       own_limits_(limits) {}
 
 void HeldReservation::come_to(const Driver& body) {
-  follower_.come_to(body.turn_position());
+  follower_.come_to(body.decision_position());
   own_speed_ = body.velocity().norm();
   own_limits_ = body.limits();
 }
@@ -103,7 +102,7 @@ HeldReservation::Pair HeldReservation::pair_with(const ReservationMessage& other
   if (!come_near(own, other)) return pair;
   const auto m = fleet.find(other.robot);
   const double estimate = m ? m->clock_offset : 0;
-  const double offset = offset_between(own_one(), renewed(other), estimate);
+  const double offset = offset_between(own, other, estimate);
   pair.offset = offset;
   Order order = order_of(own.trajectory, own.radius, other.trajectory, other.radius, offset);
   Order theirs = order_of(other.trajectory, other.radius, own.trajectory, own.radius, -offset);
@@ -113,7 +112,7 @@ HeldReservation::Pair HeldReservation::pair_with(const ReservationMessage& other
   pair.too_close.insert(pair.too_close.end(), theirs.other_too_close.begin(), theirs.other_too_close.end());
   pair.they_beyond = std::max(beyond(theirs.too_close), beyond(order.other_too_close));
   pair.their_corners = corners_of(path_of(other.trajectory), reserved_stray_radii * other.radius);
-  pair.is_related = are_related(own_one(), renewed(other));
+  pair.is_related = are_related(own, other);
   if (pair.is_related || !overrides(other, own)) return pair;
   pair.overrides = come_too_close(own.trajectory, shifted(other.trajectory, estimate),
                                   kept_apart(own.radius, other.radius), own.trajectory.front().time);
@@ -150,11 +149,11 @@ void HeldReservation::renew(std::shared_ptr<const ReservationMessage> own) {
 double HeldReservation::First::progress_at(double time) const {
   const Promise& p = promise;
   const double t = time - clock_error;
-  if (t < p.turn) {
-    const double before = progress - (p.turn - t) * p.velocity.norm();
+  if (t < p.decision_time) {
+    const double before = progress - (p.decision_time - t) * p.velocity.norm();
     return before - gained_at(pair->their_corners, before, progress);
   }
-  double driven = (std::min(t, p.expiry) - p.turn) * p.next_velocity.norm();
+  double driven = (std::min(t, p.expiry) - p.decision_time) * p.next_velocity.norm();
   double speed = p.next_velocity.norm();
   for (double begin = p.expiry; begin < t && speed > 0; begin += control_period) {
     speed = std::max(0.0, speed - limits.max_acceleration * control_period);
@@ -226,7 +225,7 @@ void HeldReservation::look_at_gates(const Fleet& fleet, double now, double open)
 bool HeldReservation::allows(const Driver& body, const Twist& twist) const {
   const double slack = gate_slack_radii * body.radius();
   const double begin = progress();
-  Point2 here = body.turn_position();
+  Point2 here = body.decision_position();
   Twist now = twist;
   double along = begin;
   for (double t = body.time() + control_period; !now.velocity.isZero(0); t += control_period) {
@@ -342,7 +341,7 @@ bool HeldReservation::goes_first(const FleetMember& m, double turn) const {
   const double radii = own_->radius + m.radius;
   const bool is_behind = leads_into(own_rest, m.position, radii);
   if (is_behind != leads_into(their_rest, own_rest.front().position, radii)) return is_behind;
-  const double offset = offset_between(own_one(), renewed(*theirs), m.clock_offset);
+  const double offset = offset_between(*own_, *theirs, m.clock_offset);
   const bool is_first_by_name = m.robot < own_->robot;
   const auto turn_at = [&](const Trajectory& rest, double later) {
     return std::floor((rest.front().time + later) / turn);

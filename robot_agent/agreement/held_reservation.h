@@ -103,8 +103,8 @@ class HeldReservation {
   Point2 preferred_velocity(const Point2& position, const Limits& limits) const {
     return follower_.preferred_velocity(position, limits, control_period, open_);
   }
-  /// Whether the robot stays in its strip and heeds its gates if it takes a twist from the turn on, for one
-  /// period, and then brakes.
+  /// Whether the robot stays in its strip and heeds its gates if it takes a twist from the decision time on,
+  /// for one period, and then brakes.
   bool allows(const Driver& body, const Twist& twist) const;
   void led_past(bool everything) { follower_.led_past(everything); }
 
@@ -148,7 +148,7 @@ class HeldReservation {
     Limits limits;
     double clock_error;
     double progress;
-    double slip;  ///< metres by which its progress may be less than what it drives from the turn on
+    double slip;  ///< metres by which its progress may be less than what it drives from the decision time on
 
     double progress_at(double time) const;
   };
@@ -165,16 +165,11 @@ class HeldReservation {
   bool heeds_its_gates(const Pair& pair, const RobotState& other, double own_progress) const;
   double comes_to_rest_at() const;
   bool keeps_apart(const Pair& pair, double others_progress) const;
-  RenewedReservation own_one() const { return {*own_, since_}; }
-  RenewedReservation renewed(const ReservationMessage& other) const {
-    return {other, others_->since(other.robot)};
-  }
   bool goes_first(const FleetMember& m, double turn) const;
   bool leads_into_robot(const FleetMember& m) const;
   bool last_one_comes_on(const Fleet& fleet, double now);
 
   std::shared_ptr<const ReservationMessage> own_;
-  std::uint32_t since_;  ///< the first number of the trajectory
   Path rest_{};  ///< of the way, beyond the end of the reservation; empty: it leads to the end of the way
   const Reservations* others_;
   WayFollower follower_;
@@ -191,7 +186,7 @@ class HeldReservation {
   double waits_until_ = 0;  ///< fleet time before which that robot cannot have come far enough
   double longest_lease_ = Timing::longest_lease;
   Awaited awaited_;
-  double own_speed_ = 0;  ///< until the turn
+  double own_speed_ = 0;  ///< until the decision time
   Limits own_limits_;
 };
 

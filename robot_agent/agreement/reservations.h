@@ -23,10 +23,7 @@ class Reservations {
 
   void hear(std::shared_ptr<const ReservationMessage> reservation) {
     auto& known = known_[reservation->robot];
-    const bool is_of_the_run = known && known->run == reservation->run;
-    if (is_of_the_run && known->number >= reservation->number) return;
-    const bool renews = is_of_the_run && known->trajectory == reservation->trajectory;
-    if (!renews) since_[reservation->robot] = reservation->number;
+    if (known && known->run == reservation->run && known->number >= reservation->number) return;
     known = std::move(reservation);
     ++news_;
   }
@@ -35,12 +32,6 @@ class Reservations {
     const auto known = known_.find(robot);
     return known != known_.end() && known->second->run == run ? known->second.get() : nullptr;
   }
-  /// The first number, as far as was heard, of the trajectory that a robot has reserved. Whoever named one of
-  /// the numbers from then on planned around that trajectory.
-  std::uint32_t since(const RobotName& robot) const {
-    const auto known = since_.find(robot);
-    return known != since_.end() ? known->second : 0;
-  }
   auto begin() const { return known_.begin(); }
   auto end() const { return known_.end(); }
   /// Grows with each message that tells something new.
@@ -48,7 +39,6 @@ class Reservations {
 
  private:
   Known known_{};
-  std::map<RobotName, std::uint32_t> since_{};
   std::uint32_t news_ = 0;
 };
 

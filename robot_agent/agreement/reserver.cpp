@@ -47,7 +47,7 @@ void Reserver::say(ReservationMessage message, const FleetMember& self, double n
                    std::vector<Outgoing>& out) {
   message.robot = robot_;
   message.radius = self.radius;
-  message.number = next_number(now);
+  message.number = message.first_number = next_number(now);
   message.run = run_;
   out.emplace_back(std::move(message));
 }
@@ -78,7 +78,7 @@ bool Reserver::may_rely(const RobotName& robot) const {
   const ReservationMessage* const r = others_->find(robot, run_);
   if (r != nullptr && r->trajectory.empty()) return false;
   const auto told = told_.find(robot);
-  const bool was_told = r != nullptr && told != told_.end() && told->second.number >= others_->since(robot);
+  const bool was_told = r != nullptr && told != told_.end() && told->second.number >= r->first_number;
   return was_told || has_begun_anew_;
 }
 
@@ -257,21 +257,21 @@ std::optional<KnownReservation> Reserver::reservation_of(const FleetMember& m) c
   KnownReservation known{{m.robot, r->number, m.clock_offset}, r->trajectory, r->radius};
   if (m.reservation == r->number) {
     known.trajectory = rest_of(r->trajectory, m.reservation_progress);
-    const double late = m.promise.turn - (known.trajectory.front().time + m.clock_offset);
+    const double late = m.promise.decision_time - (known.trajectory.front().time + m.clock_offset);
     if (late > room_in_time) known.basis.offset += late;
   }
   known.trajectory = shifted(std::move(known.trajectory), known.basis.offset);
   return known;
 }
 
-/// From now on the robot drives by this reservation. The message has all but its number.
+/// From now on the robot drives by this reservation. The message has all but its numbers.
 HeldReservation& Reserver::hold(ReservationMessage message, const Limits& limits, double now,
                                 std::vector<Outgoing>& out) {
   std::erase_if(message.basis, [&](const ReservationBasis& b) {
     const ReservationMessage* const r = others_->find(b.robot, run_);
     return r == nullptr || r->trajectory.empty() || !come_near(message, *r);
   });
-  message.number = next_number(now);
+  message.number = message.first_number = next_number(now);
   auto own = std::make_shared<const ReservationMessage>(std::move(message));
   out.emplace_back(*own);
   return state_.emplace<HeldReservation>(std::move(own), limits, *others_);

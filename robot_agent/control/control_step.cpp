@@ -144,7 +144,7 @@ void Run::take_up_plans(double now, std::vector<Outgoing>& out) {
 /// How far the way is open, and whether the robot still sees its path: others may have pushed it away.
 void Run::look_along_the_way(double now) {
   if (!drives(situation(now))) return;
-  const Point2 from = body_.turn_position();
+  const Point2 from = body_.decision_position();
   if (reserver_.holds()) {
     HeldReservation& held = reserver_.held();
     trail_.begin(from);

@@ -98,7 +98,7 @@ double gives_way_for(const HeldReservation& held, const Point2& wanted, double h
 Decision follow_reservation(const HeldReservation& held, const Situation& s) {
   const Driver& body = s.body;
   // Faster, a differential robot would come to the edge of its strip, stop, and turn back on the spot.
-  const Point2 wanted = body.slow_to_turn(held.preferred_velocity(body.turn_position(), body.limits()),
+  const Point2 wanted = body.slow_to_turn(held.preferred_velocity(body.decision_position(), body.limits()),
                                           reserved_stray_radii * body.radius());
   const auto allowed = [&](const Twist& m) { return held.allows(body, m); };
   const Driver::Followed led = body.following(wanted, s.neighbours, s.field, allowed);
@@ -144,7 +144,7 @@ bool lets_others_go_first(const Situation& s) {
 /// The robot drives without a reservation, and keeps clear of the others by reciprocal velocity obstacles.
 Decision follow_path(const PathFollower& follower, const Situation& s) {
   const Driver& body = s.body;
-  const Point2 from = body.turn_position();
+  const Point2 from = body.decision_position();
   const Point2 preferred = follower.preferred_velocity(from, body.limits(), control_period);
   const Twist next = body.evading(keeping_right(preferred, from, s.neighbours), s.neighbours, s.field);
   Decision d{.action = Follow{next},

@@ -80,7 +80,7 @@ Decision decide(const Situation& situation);
 /// Whether nothing holds the robot, and it has a way to drive along: its reservation, or its path.
 bool drives(const Situation& situation);
 
-/// What the body does from the turn on.
+/// What the body does from the decision time on.
 Twist next_twist(const Decision& decision, const Driver& body);
 
 }  // namespace coppice

@@ -215,7 +215,7 @@ DriveCommand Run::command(WallTime now) {
   if (!tracking_) return {};
   const double scale = mission_.clock.scale;
   const Promise next = body_.promise();
-  const bool is_next = mission_.clock.fleet_time(now + Tracking::lead) >= next.turn;
+  const bool is_next = mission_.clock.fleet_time(now + Tracking::lead) >= next.decision_time;
   const double ahead = Tracking::usual_lag * scale / control_period;
   const Point2 faster_by = ahead * (next.next_velocity - next.velocity);
   const double turns_faster_by = ahead * (next.next_angular_velocity - next.angular_velocity);

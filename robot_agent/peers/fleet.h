@@ -44,7 +44,7 @@ struct FleetMember {
   RoundId round;
   Stage stage = Stage::free;
   std::uint32_t reservation = 0;
-  double reservation_progress = 0;  ///< at the turn of its promise
+  double reservation_progress = 0;  ///< at the decision time of its promise
   RobotName waits_for;
   Promise promise{};
   Limits limits{};
@@ -52,10 +52,11 @@ struct FleetMember {
   double clock_error = 0;   ///< seconds, until this robot stands, if it decides something now
 };
 
-/// Metres that a robot drives on from the turn of its promise, whatever it decides.
+/// Metres that a robot drives on from the decision time of its promise, whatever it decides.
 inline double way_until_rest(const FleetMember& m) {
   const double speed = m.promise.next_velocity.norm();
-  return (m.promise.expiry - m.promise.turn) * speed + braking_distance(speed, m.limits, control_period);
+  return (m.promise.expiry - m.promise.decision_time) * speed +
+         braking_distance(speed, m.limits, control_period);
 }
 
 /// When a robot comes to rest by its promise, fleet time, if it decides nothing more. However long it has

@@ -49,7 +49,7 @@ RobotState state_of_b(double stamp) {
           .sequence = static_cast<std::uint32_t>(std::lround(20 * stamp)),
           .promise = {.stamp = stamp,
                       .position = {20, 4},
-                      .turn = stamp + 0.05,
+                      .decision_time = stamp + 0.05,
                       .next_velocity = Point2::Zero(),
                       .expiry = stamp + 0.1},
           .radius = 1,
@@ -221,9 +221,9 @@ std::vector<Input> topic_seeds<JointPlanMessage>() {
 }
 template <>
 std::vector<Input> topic_seeds<ReservationMessage>() {
-  return {encoded(ReservationMessage{"b", 2, 5, 12, {}}),
-          encoded(ReservationMessage{"b", 3, 5, 12, {{1, {12, 6}}, {2, {20, 6}}}, {{"a", 1, 0.5}}}),
-          encoded(ReservationMessage{"b", 4, 5, 12, {{1, {12, 6}}, {2, {20, 6}}}, {}, {"a", 1, 0.5}})};
+  return {encoded(ReservationMessage{"b", 2, 2, 5, 12, {}}),
+          encoded(ReservationMessage{"b", 3, 3, 5, 12, {{1, {12, 6}}, {2, {20, 6}}}, {{"a", 1, 0.5}}}),
+          encoded(ReservationMessage{"b", 5, 4, 5, 12, {{1, {12, 6}}, {2, {20, 6}}}, {}, {"a", 1, 0.5}})};
 }
 template <>
 std::vector<Input> topic_seeds<PathMessage>() {

@@ -356,13 +356,15 @@ TEST_P(SecurityByDiscovery, AStateReachesItsRecipientsAndEveryObserver) {
   for (std::uint32_t k = 1;
        (at_far.size() < 10 || at_near.size() < 60 || at_watcher.size() < 60) && Clock::now() < end; ++k) {
     const double stamp = 0.01 * k;
-    const RobotState state{
-        .robot = "a",
-        .sequence = k,
-        .promise = {.stamp = stamp, .turn = stamp + 0.05, .next_velocity = {0, 0}, .expiry = stamp + 0.1},
-        .radius = 5,
-        .max_speed = 20,
-        .max_acceleration = 40};
+    const RobotState state{.robot = "a",
+                           .sequence = k,
+                           .promise = {.stamp = stamp,
+                                       .decision_time = stamp + 0.05,
+                                       .next_velocity = {0, 0},
+                                       .expiry = stamp + 0.1},
+                           .radius = 5,
+                           .max_speed = 20,
+                           .max_acceleration = 40};
     sender.publish(
         Outgoing(state, k % 8 == 0 ? std::vector<RobotName>{"b", "c"} : std::vector<RobotName>{"b"}));
     std::this_thread::sleep_for(10ms);

@@ -29,7 +29,7 @@ inline RobotState some_state(std::uint32_t sequence) {
           .promise = {.stamp = 0.05 * sequence,
                       .position = {1.5, 2.5},
                       .velocity = {1, -1},
-                      .turn = 0.05 * sequence + 0.05,
+                      .decision_time = 0.05 * sequence + 0.05,
                       .next_velocity = {2, 2},
                       .expiry = 0.05 * sequence + 0.1},
           .radius = 5,

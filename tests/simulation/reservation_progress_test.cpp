@@ -1,5 +1,5 @@
-// Each state says how far its robot will have come along its reservation at the turn of its promise, whether
-// the robot drives on, brakes or is late. Others count on it.
+// Each state says how far its robot will have come along its reservation at the decision time of its promise,
+// whether the robot drives on, brakes or is late. Others count on it.
 #include <algorithm>
 #include <map>
 #include <utility>
@@ -43,7 +43,7 @@ class ProgressCheck {
     ++states_;
     braking_ += state.promise.next_velocity.norm() < state.promise.velocity.norm();
     const Point2 said = way->second.at(state.reservation_progress);
-    const double off = (said - state.promise.position_at_turn()).norm() / state.radius;
+    const double off = (said - state.promise.position_at_decision()).norm() / state.radius;
     if (off <= worst_) return;
     worst_ = off;
     worst_at_ = state.promise.stamp;

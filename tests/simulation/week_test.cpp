@@ -70,7 +70,7 @@ class WorkingAgent {
       state.promise = {.stamp = time_,
                        .position = {10 * std::sin(time_ / 10), 3},
                        .velocity = velocity,
-                       .turn = time_ + 0.05,
+                       .decision_time = time_ + 0.05,
                        .next_velocity = velocity,
                        .expiry = time_ + 0.1};
       state.run = {1000};

@@ -30,7 +30,7 @@ function checkFrame({frame}: ToPage): void {
   const robots = frame.x.length;
   require(robots <= limits.robots, `a frame of ${robots} robots`);
   require(Number.isFinite(frame.time), `a frame of time ${frame.time}`);
-  const lists = [frame.y, frame.vx, frame.vy, frame.waits_for, frame.turn, frame.next_vx, frame.next_vy, frame.expiry, frame.age];
+  const lists = [frame.y, frame.vx, frame.vy, frame.waits_for, frame.decision_time, frame.next_vx, frame.next_vy, frame.expiry, frame.age];
   for (const list of [...lists, frame.phase ?? [], frame.stage ?? []])
     require(list.length === robots, `a frame with lists of ${robots} and ${list.length} robots`);
   for (const list of [frame.to_go, frame.waiting, frame.idle, frame.silence])  // only for the table, and for marks

@@ -282,9 +282,9 @@ export class RobotsLayer {
   }
 
   private traceReservation(context: Context, robot: Robot, frame: Frame, k: number, view: View): void {
-    const rest = Math.max(0, frame.expiry[k] - frame.turn[k]);
+    const rest = Math.max(0, frame.expiry[k] - frame.decision_time[k]);
     const speed = Math.hypot(frame.next_vx[k], frame.next_vy[k]);
-    const ahead = frame.turn[k] > 0 ? frame.turn[k] : 0;
+    const ahead = frame.decision_time[k] > 0 ? frame.decision_time[k] : 0;
     const seconds = rest + (speed > 0 ? stoppingDistance(speed, robot.max_acceleration) / speed : 0);
     const [dx, dy] = [frame.vx[k] * ahead, frame.vy[k] * ahead];
     const [ex, ey] = [dx + frame.next_vx[k] * seconds, dy + frame.next_vy[k] * seconds];

@@ -15,7 +15,7 @@ function frame(time: number, x: number[], y = x.map(() => 0), vx = x.map(() => 0
   const zeros = x.map(() => 0);
   return {
     time, x, y, vx, vy: zeros, phase: new Uint8Array(x.length), stage: new Uint8Array(x.length), waits_for: x.map(() => -1),
-    turn: zeros, next_vx: zeros, next_vy: zeros, expiry: zeros, age: zeros, to_go: zeros, waiting: zeros, idle: zeros, yaw: [], silence: zeros, life: undefined,
+    decision_time: zeros, next_vx: zeros, next_vy: zeros, expiry: zeros, age: zeros, to_go: zeros, waiting: zeros, idle: zeros, yaw: [], silence: zeros, life: undefined,
   };
 }
 

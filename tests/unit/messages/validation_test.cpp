@@ -28,7 +28,7 @@ RobotState state() {
           .promise = {.stamp = 1,
                       .position = {1, 2},
                       .velocity = {1, 0},
-                      .turn = 1.05,
+                      .decision_time = 1.05,
                       .next_velocity = {1, 0},
                       .expiry = 1.1},
           .radius = 1,
@@ -95,7 +95,7 @@ TEST(Validation, InvalidStatesAreRefused) {
                                                         m.promise.next_velocity = {0, 3};
                                                       },
                                                       [](M& m) { m.promise.expiry = 1.0; },
-                                                      [](M& m) { m.promise.turn = nan; },
+                                                      [](M& m) { m.promise.decision_time = nan; },
                                                       [](M& m) { m.phase = static_cast<Phase>(9); },
                                                       [](M& m) { m.stage = static_cast<Stage>(3); },
                                                       [](M& m) { m.round.epoch = 1; },
@@ -182,7 +182,8 @@ TEST(Validation, InvalidJointPlansAreRefused) {
 TEST(Validation, InvalidReservationsAreRefused) {
   using M = ReservationMessage;
   const M fine{.robot = "r1",
-               .number = 1,
+               .number = 2,
+               .first_number = 1,
                .radius = 1,
                .way = 3,
                .trajectory = {{0, {0, 0}}, {1, {1, 1}}},
@@ -191,6 +192,8 @@ TEST(Validation, InvalidReservationsAreRefused) {
                .run = {}};
   const std::vector<std::function<void(M&)>> spoilers{[](M& m) { m.robot.clear(); },
                                                       [](M& m) { m.number = 0; },
+                                                      [](M& m) { m.first_number = 0; },
+                                                      [](M& m) { m.first_number = 3; },
                                                       [](M& m) { m.radius = -1; },
                                                       [](M& m) { m.way = nan; },
                                                       [](M& m) { m.priority = static_cast<Priority>(4); },

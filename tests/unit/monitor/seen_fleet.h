@@ -45,12 +45,14 @@ class SeenFleet {
   }
   void state(const RobotName& robot, Point2 position, Point2 velocity = Point2::Zero()) {
     const double time = now - 100;
-    hear(RobotState{
-        .robot = robot,
-        .promise =
-            {.stamp = time, .position = position, .velocity = velocity, .turn = time + 1, .expiry = time + 1},
-        .radius = 0.25,
-        .phase = Phase::driving});
+    hear(RobotState{.robot = robot,
+                    .promise = {.stamp = time,
+                                .position = position,
+                                .velocity = velocity,
+                                .decision_time = time + 1,
+                                .expiry = time + 1},
+                    .radius = 0.25,
+                    .phase = Phase::driving});
   }
   void status(const RobotName& robot, Phase phase, double driven = 0) {
     hear(AgentStatus{.robot = robot, .mission = 1, .phase = phase, .driven_length = driven});

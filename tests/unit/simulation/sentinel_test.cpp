@@ -71,6 +71,7 @@ class SentinelTest : public testing::Test {
   void reserve(std::size_t robot, std::uint32_t number, const Point2& to) {
     sentinel->hear(ReservationMessage{.robot = name(robot),
                                       .number = number,
+                                      .first_number = number,
                                       .radius = radius,
                                       .trajectory = {{0, bodies[robot].position()}, {9, to}},
                                       .run = {}},
@@ -103,7 +104,7 @@ TEST_F(SentinelTest, LinesThatCrossAtDifferentTimesDoNotMeet) {
   stand_at({20, 20}, {60, 40});
   bodies[b] = Driver({.position = {60, 40},
                       .velocity = {0, -20},
-                      .turn = control_period,
+                      .decision_time = control_period,
                       .next_velocity = {0, -20},
                       .expiry = 2 * control_period},
                      radius, {max_speed, 2 * max_speed}, control_period);
@@ -154,7 +155,7 @@ TEST_F(SentinelTest, ARobotThatSetsOffAlthoughItHasBoundItselfToStandIsFound) {
   say(a, bodies[a].promise());
   Promise promise = bodies[a].promise();
   promise.stamp += control_period;
-  promise.turn += control_period;
+  promise.decision_time += control_period;
   promise.next_velocity = {1, 0};
   say(a, promise);
   EXPECT_EQ(broken(12), "L1: a does n") << *sentinel->broken();
@@ -176,7 +177,7 @@ TEST_F(SentinelTest, AClockThatIsFurtherOffThanAnAgentCountsOnIsFound) {
 TEST_F(SentinelTest, AProgressThatIsNotThatOfTheTurnIsFound) {
   reserve(a, 7, {80, 20});
   drive(a, {20, 0}, 20);
-  const double true_progress = bodies[a].turn_position().x() - 20;
+  const double true_progress = bodies[a].decision_position().x() - 20;
   say(a, bodies[a].promise(), 7, true_progress);
   EXPECT_EQ(sentinel->broken().value_or(""), "");
   say(a, bodies[a].promise(), 7, true_progress - 1);

@@ -71,7 +71,10 @@ TEST(SimulatedBus, StatesAreNotKeptForLateJoiners) {
 
 RobotState state(double stamp) {
   return {.robot = "r1",
-          .promise = {.stamp = stamp, .turn = stamp + 0.05, .next_velocity = {0, 0}, .expiry = stamp + 0.1},
+          .promise = {.stamp = stamp,
+                      .decision_time = stamp + 0.05,
+                      .next_velocity = {0, 0},
+                      .expiry = stamp + 0.1},
           .radius = 1,
           .max_speed = 1,
           .max_acceleration = 1};

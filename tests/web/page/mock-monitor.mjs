@@ -158,7 +158,7 @@ function frameAt(fleet, time, life) {
     phase: Uint8Array.from(fleet.robots, ({phase, halted}) => (halted ? Phase.HALTED : phase)),
     stage: Uint8Array.from(fleet.robots, (_, k) => (k % 19 === 3 ? 1 : k % 19 === 4 ? 2 : 0)),
     waits_for: each((p, k) => (k % 3 === 2 ? at.findIndex((q, j) => j !== k && Math.hypot(q.x - p.x, q.y - p.y) < 20) : -1)),
-    turn: each(() => 0.05), next_vx: each((p) => p.vx), next_vy: each((p) => p.vy), expiry: each(() => 0.1), age: each(() => 0.02),
+    decision_time: each(() => 0.05), next_vx: each((p) => p.vx), next_vy: each((p) => p.vy), expiry: each(() => 0.1), age: each(() => 0.02),
     to_go: each((p, k, robot) => (hasPath(robot) ? fleet.longest ?? robot.lengths.at(-1) - p.driven : NaN)), waiting: each((p, k) => (k % 3 === 2 ? fleet.waiting : 0)), idle: each(() => 0.1),
     silence: each((p, k, robot) => robot.silence ?? 0.02),
     life: lifeOf(fleet, life),

@@ -157,6 +157,7 @@ template <>
 ReservationMessage any(const Any& a) {
   return {a.name(),
           a.u32(),
+          a.u32(),
           a.number(),
           a.number(),
           a.trajectory(),

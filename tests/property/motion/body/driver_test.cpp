@@ -124,7 +124,7 @@ RC_GTEST_PROP(Driver, NoRobotTouchesAnythingHoweverLittleIsHeard, (std::uint64_t
       robot.body.advance();
       assert_within_limits(present, robot.body);
       RC_ASSERT(field.segment_clearance(before.back(), robot.body.position()) >= robot.body.radius() - 1e-6);
-      RC_ASSERT((robot.body.position() - promised.back().position_at_turn()).norm() < 1e-9);
+      RC_ASSERT((robot.body.position() - promised.back().position_at_decision()).norm() < 1e-9);
     }
     for (std::size_t a = 0; a < robots.size(); ++a) {
       for (std::size_t b = 0; b < a; ++b) {
@@ -216,7 +216,7 @@ TEST(Driver, ARobotLeavesAPeerThatStandsTooClose) {
     const Driver closer({60 + gap, 50}, 0, 5, limits, period);
     const Driver::Followed comes = closer.following({-10, 0}, {&failed, 1}, field);
     EXPECT_FALSE(comes.is_led);
-    const Point2 next = closer.turn_position() + period * comes.next.velocity;
+    const Point2 next = closer.decision_position() + period * comes.next.velocity;
     EXPECT_GE((next - there).norm(), 10 + gap) << gap;
   }
 }

@@ -54,15 +54,16 @@ Mission mission_of(const RobotName& robot, const RobotKind& body) {
 
 /// What "b" said at `stamp` by its clock. It may have bound itself to stand for longer.
 RobotState any_state(const RobotKind& body, double stamp, Random& random) {
-  RobotState state{
-      .robot = "b",
-      .promise = {.stamp = stamp, .turn = stamp + control_period, .expiry = stamp + 2 * control_period},
-      .radius = body.radius,
-      .max_speed = body.limits.max_speed,
-      .max_acceleration = body.limits.max_acceleration,
-      .round = {},
-      .max_angular_speed = body.limits.max_angular_speed,
-      .max_angular_acceleration = body.limits.max_angular_acceleration};
+  RobotState state{.robot = "b",
+                   .promise = {.stamp = stamp,
+                               .decision_time = stamp + control_period,
+                               .expiry = stamp + 2 * control_period},
+                   .radius = body.radius,
+                   .max_speed = body.limits.max_speed,
+                   .max_acceleration = body.limits.max_acceleration,
+                   .round = {},
+                   .max_angular_speed = body.limits.max_angular_speed,
+                   .max_angular_acceleration = body.limits.max_angular_acceleration};
   Promise& promise = state.promise;
   promise.position = {random.uniform(-1000, 1000), random.uniform(-1000, 1000)};
   if (random.index(3) == 0) {

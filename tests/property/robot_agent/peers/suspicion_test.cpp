@@ -82,7 +82,7 @@ void assert_stays_in_its_disc(Random& random) {
 
   Promise promise{.position = body.position,
                   .velocity = body.twist.velocity,
-                  .turn = control_period,
+                  .decision_time = control_period,
                   .expiry = 2 * control_period,
                   .yaw = body.yaw,
                   .angular_velocity = body.twist.angular_velocity};

@@ -54,7 +54,7 @@ class Explanation : public testing::Test {
             .promise = {.stamp = t,
                         .position = at,
                         .velocity = velocity,
-                        .turn = t + control_period,
+                        .decision_time = t + control_period,
                         .next_velocity = velocity,
                         .expiry = t + 2 * control_period},
             .radius = 0.5,
@@ -97,6 +97,7 @@ class Explanation : public testing::Test {
                double way = 0) {
     say(ReservationMessage{.robot = robot,
                            .number = number,
+                           .first_number = number,
                            .radius = 0.5,
                            .way = way,
                            .trajectory = trajectory,
@@ -256,7 +257,7 @@ TEST_F(Explanation, ARobotIsStrandedByAJointPlan) {
 
 TEST_F(Explanation, ARobotDrivesAsAJointPlanSays) {
   mission("r2", {9, 0});
-  ReservationMessage part{.robot = "r2", .number = 1, .radius = 0.5, .run = {began_}};
+  ReservationMessage part{.robot = "r2", .number = 1, .first_number = 1, .radius = 0.5, .run = {began_}};
   part.trajectory = {{0, {0, 0}}, {9, {9, 0}}};
   part.plan = {"r5", 3, 0};
   say(part, 0.5);

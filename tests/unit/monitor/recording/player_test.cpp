@@ -46,7 +46,7 @@ std::vector<Arrival> drive() {
                                         .promise = {.stamp = t,
                                                     .position = {20 + t, 10},
                                                     .velocity = {1, 0},
-                                                    .turn = t + 0.05,
+                                                    .decision_time = t + 0.05,
                                                     .next_velocity = {1, 0},
                                                     .expiry = t + 0.1},
                                         .radius = 1,

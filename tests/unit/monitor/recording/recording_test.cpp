@@ -22,14 +22,17 @@ namespace {
 using test::epoch;
 
 RobotState state(const char* robot, double t) {
-  return {
-      .robot = robot,
-      .sequence = static_cast<std::uint32_t>(20 * t),
-      .promise = {.stamp = t, .position = {t, 0}, .turn = t, .next_velocity = Point2::Zero(), .expiry = t},
-      .radius = 1,
-      .max_speed = 4,
-      .max_acceleration = 8,
-      .round = {}};
+  return {.robot = robot,
+          .sequence = static_cast<std::uint32_t>(20 * t),
+          .promise = {.stamp = t,
+                      .position = {t, 0},
+                      .decision_time = t,
+                      .next_velocity = Point2::Zero(),
+                      .expiry = t},
+          .radius = 1,
+          .max_speed = 4,
+          .max_acceleration = 8,
+          .round = {}};
 }
 Mission mission(const char* robot, std::uint32_t number) {
   return {.robot = robot,

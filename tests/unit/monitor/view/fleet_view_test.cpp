@@ -25,7 +25,7 @@ RobotState state_of(const RobotName& robot, double stamp, const Point2& place) {
           .promise = {.stamp = stamp,
                       .position = place,
                       .velocity = {2, 0},
-                      .turn = stamp + 1,
+                      .decision_time = stamp + 1,
                       .next_velocity = {0, 4},
                       .expiry = stamp + 2},
           .radius = 1};

@@ -64,7 +64,7 @@ TEST(DifferentialDrive, ARobotThatBrakesInACurveComesToRestWhereItsPromiseSays) 
   ASSERT_GT(body.angular_velocity(), 0.5);
   const Promise promise = body.promise();
   const Point2 straight =
-      promise.position_at_turn() + 2 * promise.next_velocity.norm() * promise.next_velocity / 4;
+      promise.position_at_decision() + 2 * promise.next_velocity.norm() * promise.next_velocity / 4;
   const Point2 rest = rest_after(promise, limits, control_period);
   while (!body.stands()) body.advance();
   EXPECT_LT((body.position() - rest).norm(), 1e-9);

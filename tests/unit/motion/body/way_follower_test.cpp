@@ -85,7 +85,7 @@ double driven(const Path& way, double radius, const Limits& limits, double yaw =
   WayFollower follower(std::vector<Path>{way}, radius, stray);
   Driver body(way.front(), 0, radius, limits, period, yaw);
   const auto stays_in_strip = [&](Twist twist) {
-    Point2 here = body.turn_position();
+    Point2 here = body.decision_position();
     double along = follower.progress();
     for (; !twist.velocity.isZero(0); twist = braked(twist, limits, period)) {
       const auto comes_to = follower.along_strip(here, here + period * twist.velocity, along);
@@ -96,9 +96,9 @@ double driven(const Path& way, double radius, const Limits& limits, double yaw =
     return true;
   };
   while (!follower.finished() && body.time() < 1000) {
-    follower.come_to(body.turn_position());
+    follower.come_to(body.decision_position());
     const Point2 wanted =
-        body.slow_to_turn(follower.preferred_velocity(body.turn_position(), limits, period, open), stray);
+        body.slow_to_turn(follower.preferred_velocity(body.decision_position(), limits, period, open), stray);
     body.take(body.following(wanted, {}, field, stays_in_strip).next);
     body.advance();
     EXPECT_LE(point_path_distance(body.position(), way), stray + 1e-6) << body.time();

@@ -122,7 +122,7 @@ TEST_F(ReserverStripTest, ARobotThatHasReservedAnewIsNotWaitedForUntilItIsToldSo
   reserve_both();
   tell_state(b, a, 0.3);
   ReservationMessage another = b.last();
-  another.number += 1;
+  another.first_number = another.number += 1;
   another.trajectory.back().position += Point2(5, 0);
   a.others.hear(std::make_shared<const ReservationMessage>(another));
   a.drop(1);

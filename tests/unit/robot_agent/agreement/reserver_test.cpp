@@ -133,6 +133,7 @@ TEST_F(ReserverTest, ARobotKeepsClearForLongerOfOneThatIsNotNextInTurnIfStatesAr
     first.others.hear(
         std::make_shared<const ReservationMessage>(ReservationMessage{.robot = name,
                                                                       .number = 1,
+                                                                      .first_number = 1,
                                                                       .radius = 5,
                                                                       .way = static_cast<double>(way),
                                                                       .priority = first.last().priority,
@@ -351,6 +352,7 @@ TEST_F(ReserverTest, ARobotNamesOneThatPlannedWithoutItAndKeepsItsOrderWithTheOt
   a.others.hear(std::make_shared<const ReservationMessage>(
       ReservationMessage{.robot = "c",
                          .number = 7,
+                         .first_number = 7,
                          .radius = 5,
                          .way = 10,
                          .trajectory = {{60, {150, 20}}, {70, {150, 190}}},
@@ -370,6 +372,32 @@ TEST_F(ReserverTest, ARobotNamesOneThatPlannedWithoutItAndKeepsItsOrderWithTheOt
   const RobotState state = tell_state(a, b, 1.2);
   EXPECT_TRUE(a.reserver.passes(state, 0.05, present)) << "both know the new number";
   EXPECT_TRUE(b.reserver.passes(tell_state(b, a, 1.3), 0.05, present));
+}
+
+// The leader had heard b's trajectory under its first number. a has heard it under a later one only.
+TEST_F(ReserverTest, AMemberCountsOnARobotThatItsLeaderPlannedAroundUnderAnEarlierNumber) {
+  const auto passes_later = [](std::uint32_t first_number) {
+    return std::make_shared<const ReservationMessage>(
+        ReservationMessage{.robot = "b",
+                           .number = 7,
+                           .first_number = first_number,
+                           .radius = 5,
+                           .trajectory = {{40, {100, 6}}, {50, {100, 190}}},
+                           .run = {}});
+  };
+  const JointPlanMessage plan{.round = {4, "c", {100, 100}, 200},
+                              .members = {{"a", 5, false, {{1, {20, 100}}, {9, {180, 100}}}}},
+                              .basis = {{"b", 5, 0}},
+                              .run = {}};
+  a.others.hear(passes_later(5));
+  a.adopt(plan, 0.5);
+  a.look();
+  EXPECT_FALSE(a.reserver.held().has_unnamed());
+  Robot other{"a", a.path, places};
+  other.others.hear(passes_later(6));
+  other.adopt(plan, 0.5);
+  other.look();
+  EXPECT_TRUE(other.reserver.held().has_unnamed()) << "the leader planned around another trajectory";
 }
 
 TEST_F(ReserverTest, TheOrderCountsUntilRobotsComeTooCloseAtTheirGoals) {

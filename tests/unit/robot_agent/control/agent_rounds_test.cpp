@@ -25,7 +25,7 @@ TEST(RobotAgent, TheAgentJoinsARoundThatItHearsOfAndWaits) {
   other.round = {4, "b", other.promise.position, 50};
   other.stage = Stage::waiting;
   other.promise.stamp = 1;
-  other.promise.turn = 1.05;
+  other.promise.decision_time = 1.05;
   other.promise.expiry = 1.1;
   agent.on(arrival_of(other, 1));
   const RobotState last = last_of("a", run(agent, 1, 2));

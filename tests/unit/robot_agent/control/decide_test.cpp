@@ -41,7 +41,7 @@ class Decide : public testing::Test {
     neighbours = {{.promise = {.stamp = 0.95,
                                .position = {62, 50.5},
                                .velocity = {-4, 0},
-                               .turn = 1,
+                               .decision_time = 1,
                                .next_velocity = {-4, 0},
                                .expiry = 1.05},
                    .radius = 5,

@@ -24,7 +24,7 @@ TEST(FailureDetector, UnheardDecisionsExtendTheZoneAlongTheHeading) {
   const Promise c{.stamp = 0,
                   .position = {0, 0},
                   .velocity = {18, 0},
-                  .turn = 0.05,
+                  .decision_time = 0.05,
                   .next_velocity = {20, 0},
                   .expiry = 0.1};
   const std::vector<Point2> rests = rests_after(c, limits, period, 3, 1.25);
@@ -372,7 +372,7 @@ TEST(FailureDetector, TheZoneOfARobotOfImpossibleSpeedIsComputedQuickly) {
                     .promise = {.stamp = 0,
                                 .position = {100, 100},
                                 .velocity = {1e9, 0},
-                                .turn = period,
+                                .decision_time = period,
                                 .next_velocity = {1e9, 0},
                                 .expiry = 2 * period},
                     .radius = least_quantity,

@@ -49,7 +49,7 @@ TEST(Listening, ARobotThatWasCutOffStandsUntilAllThatCouldNotKnowHaveBraked) {
   const auto sets_off = std::find_if(from(back_at), said.end(),
                                      [](const RobotState& s) { return !s.promise.next_velocity.isZero(0); });
   ASSERT_NE(sets_off, said.end());
-  const double stood = sets_off->promise.turn - back_at;
+  const double stood = sets_off->promise.decision_time - back_at;
   EXPECT_GE(stood, 3 + 2 * control_period + Timing::longest_transit);
   EXPECT_LT(stood, 3 + 2 * control_period + Timing::longest_transit + 2);
 }

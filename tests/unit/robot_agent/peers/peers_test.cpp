@@ -14,7 +14,7 @@ bool hear(Fleet& fleet, const RobotName& robot, WallTime run, double stamp) {
   const RobotState state{.robot = robot,
                          .promise = {.stamp = stamp,
                                      .position = {100, 100},
-                                     .turn = stamp,
+                                     .decision_time = stamp,
                                      .next_velocity = Point2::Zero(),
                                      .expiry = stamp},
                          .radius = 5,
