@@ -88,7 +88,7 @@ TEST_F(PageFeedTest, APageThatConnectsLateGetsAllThatIsKnown) {
   const live::Frame& frame = told[10].frame();
   EXPECT_DOUBLE_EQ(frame.time(), 0.5);
   EXPECT_FLOAT_EQ(frame.x(0), 1.5);
-  EXPECT_FLOAT_EQ(frame.turn(0), 0.5);
+  EXPECT_FLOAT_EQ(frame.decision_time(0), 0.5);
   EXPECT_FLOAT_EQ(frame.age(0), 0.5);
   EXPECT_EQ(frame.phase()[0], static_cast<char>(live::DRIVING));
 }
@@ -335,7 +335,7 @@ TEST_F(PageFeedTest, ARobotThatWasNotHeardHasNoPosition) {
   EXPECT_TRUE(std::isnan(frame.x(0)));
   EXPECT_FLOAT_EQ(frame.x(1), 2);
   for (const int size :
-       {frame.y_size(), frame.vx_size(), frame.vy_size(), frame.waits_for_size(), frame.turn_size(),
+       {frame.y_size(), frame.vx_size(), frame.vy_size(), frame.waits_for_size(), frame.decision_time_size(),
         frame.next_vx_size(), frame.next_vy_size(), frame.expiry_size(), frame.age_size(),
         frame.silence_size(), static_cast<int>(frame.phase().size()), static_cast<int>(frame.stage().size())})
     EXPECT_EQ(size, 2);

@@ -392,12 +392,12 @@ TEST_F(ReserverTest, AMemberCountsOnARobotThatItsLeaderPlannedAroundUnderAnEarli
   a.others.hear(passes_later(5));
   a.adopt(plan, 0.5);
   a.look();
-  EXPECT_FALSE(a.reserver.held().has_unnamed());
+  EXPECT_EQ(a.reserver.held().basis().size(), 1u);
   Robot other{"a", a.path, places};
   other.others.hear(passes_later(6));
   other.adopt(plan, 0.5);
   other.look();
-  EXPECT_TRUE(other.reserver.held().has_unnamed()) << "the leader planned around another trajectory";
+  EXPECT_TRUE(other.reserver.held().basis().empty()) << "the leader planned around another trajectory";
 }
 
 TEST_F(ReserverTest, TheOrderCountsUntilRobotsComeTooCloseAtTheirGoals) {
