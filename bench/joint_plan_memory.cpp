@@ -30,10 +30,9 @@ void measure(const Scenario& scenario) {
   std::cout << "map " << most_memory() << '\n';
   std::vector<JointTask> tasks;
   for (const RobotTask& robot : scenario.robots) tasks.push_back({robot.start, robot.goal, robot.radius});
-  JointPlanner planner(places, std::move(tasks), Random(1));
-  while (!planner.step()) continue;
-  std::cout << "joint plan " << most_memory() << ", " << planner.plan().moves.size() << " moves, "
-            << planner.plan().stranded.size() << " stranded\n";
+  const JointPlan plan = joint_plan(places, std::move(tasks), Random(1));
+  std::cout << "joint plan " << most_memory() << ", " << plan.moves.size() << " moves, "
+            << plan.stranded.size() << " stranded\n";
 }
 
 }  // namespace

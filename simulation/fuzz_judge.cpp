@@ -53,10 +53,8 @@ bool could_arrive(const ClearanceField& field, const JointTask& robot, std::span
 /// the only place where two robots could have exchanged their order.
 bool could_be_sorted_out(std::size_t robot, const ClearanceField& field, const std::vector<JointTask>& ends) {
   MapRoadmaps places(field);
-  JointPlanner planner(places, ends, Random(1));
-  while (!planner.step()) {
-  }
-  return std::ranges::find(planner.plan().stranded, robot) == planner.plan().stranded.end();
+  const JointPlan plan = joint_plan(places, ends, Random(1));
+  return std::ranges::find(plan.stranded, robot) == plan.stranded.end();
 }
 
 /// Whether a robot whose agent began in mid-run is right to stand for good (docs/safety.md, A8): of the

@@ -102,13 +102,14 @@ std::optional<GridPlan> plan_on_grid(const OccupancyMap& map, std::span<const Gr
     check_apart(starts, of_vertices.back().start, k, "start");
     check_apart(goals, *of_vertices.back().goal, k, "goal");
   }
-  Lacam lacam(grid.graph, of_vertices, Random(seed));
-  if (!lacam.shut_in().empty()) return std::nullopt;
-  auto outcome = Lacam::Outcome::searching;
-  for (std::size_t made = 0; outcome == Lacam::Outcome::searching && made < most_configurations;
+  Cluster cluster(grid.graph, of_vertices);
+  if (!cluster.shut_in().empty()) return std::nullopt;
+  Lacam lacam(cluster, Random(seed));
+  auto progress = SearchState::searching;
+  for (std::size_t made = 0; progress == SearchState::searching && made < most_configurations;
        made += configurations_a_search)
-    outcome = lacam.search(configurations_a_search);
-  if (outcome != Lacam::Outcome::solved) return std::nullopt;
+    progress = lacam.search(configurations_a_search);
+  if (progress != SearchState::solved) return std::nullopt;
   Timetable timetable(of_vertices);
   for (const VertexMove& move : lacam.moves()) {
     const Vertex to = grid.graph.edges(move.from)[move.edge].to;

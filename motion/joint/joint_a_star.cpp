@@ -13,27 +13,15 @@ namespace {
 constexpr float weight = 2;
 constexpr std::size_t most_remembered = 200'000;  // configurations, of about 80 bytes each
 constexpr std::size_t key_bits = 64;
-
-std::size_t bits_for(std::size_t places) {
-  return static_cast<std::size_t>(std::bit_width(places));
-}
+constexpr std::size_t moves_a_step = 20'000;
 
 }  // namespace
 
-bool JointAStar::fits(std::size_t places, std::size_t robots) {
-  return robots * bits_for(places) <= key_bits;
-}
-
-JointAStar::JointAStar(const AnnotatedRoadmap& graph, std::vector<VertexTask> tasks)
-    : graph_(graph),
-      tasks_(std::move(tasks)),
-      bits_(bits_for(graph.size())),
-      numbers_(numbers_by_neighbourhood(graph)),
-      cost_to_go_(tasks_.size()) {
-  for (std::size_t i = 0; i < tasks_.size(); ++i) {
-    start_ |= Key{tasks_[i].start} << (i * bits_);
-    if (tasks_[i].goal) cost_to_go_[i].emplace(graph_, numbers_, *tasks_[i].goal, tasks_[i].start);
-  }
+JointAStar::JointAStar(Cluster& cluster)
+    : cluster_(cluster), bits_(static_cast<std::size_t>(std::bit_width(cluster.graph().size()))) {
+  if (cluster_.size() * bits_ > key_bits) return;
+  const Configuration starts = cluster_.starts();
+  for (std::size_t i = 0; i < starts.size(); ++i) start_ |= Key{starts[i]} << (i * bits_);
   reach(start_, {.cost = 0});
 }
 
@@ -42,15 +30,15 @@ JointAStar::Key JointAStar::moved(Key at, std::size_t robot, Vertex to) const {
 }
 
 bool JointAStar::is_goal(Key at) const {
-  for (std::size_t i = 0; i < tasks_.size(); ++i) {
-    if (tasks_[i].goal && *tasks_[i].goal != place(at, i)) return false;
+  for (std::uint32_t i = 0; i < cluster_.size(); ++i) {
+    if (!cluster_.at_goal(i, place(at, i))) return false;
   }
   return true;
 }
 
 /// Whether a robot that drives along the edge touches none of the others.
 bool JointAStar::is_clear(Key at, std::size_t robot, const AnnotatedRoadmap::Edge& edge) const {
-  for (std::size_t i = 0; i < tasks_.size(); ++i) {
+  for (std::size_t i = 0; i < cluster_.size(); ++i) {
     if (i != robot && std::ranges::binary_search(edge.near, place(at, i))) return false;
   }
   return true;
@@ -58,9 +46,7 @@ bool JointAStar::is_clear(Key at, std::size_t robot, const AnnotatedRoadmap::Edg
 
 float JointAStar::to_go(Key at) {
   float sum = 0;
-  for (std::size_t i = 0; i < tasks_.size(); ++i) {
-    if (cost_to_go_[i]) sum += cost_to_go_[i]->from(place(at, i));
-  }
+  for (std::uint32_t i = 0; i < cluster_.size(); ++i) sum += cluster_.cost(i, place(at, i));
   return sum;
 }
 
@@ -76,8 +62,8 @@ void JointAStar::reach(Key at, const Node& node) {
 std::size_t JointAStar::expand(Key at) {
   const float cost = nodes_.at(at).cost;
   std::size_t moves = 0;
-  for (std::uint16_t robot = 0; robot < tasks_.size(); ++robot) {
-    const std::vector<AnnotatedRoadmap::Edge>& edges = graph_.edges(place(at, robot));
+  for (std::uint16_t robot = 0; robot < cluster_.size(); ++robot) {
+    const std::vector<AnnotatedRoadmap::Edge>& edges = cluster_.graph().edges(place(at, robot));
     moves += edges.size();
     for (std::uint16_t k = 0; k < edges.size(); ++k) {
       if (!is_clear(at, robot, edges[k])) continue;
@@ -87,11 +73,10 @@ std::size_t JointAStar::expand(Key at) {
   return moves;
 }
 
-JointAStar::Outcome JointAStar::search(std::size_t moves) {
-  for (std::size_t k = 0; k < moves;) {
-    if (end_) return Outcome::solved;
-    if (open_.empty()) return Outcome::no_solution;
-    if (nodes_.size() > most_remembered) return Outcome::too_large;
+SearchState JointAStar::step() {
+  for (std::size_t moves = 0; moves < moves_a_step;) {
+    if (end_) return SearchState::solved;
+    if (open_.empty() || nodes_.size() > most_remembered) return SearchState::gave_up;
     const Entry next = open_.front();
     std::ranges::pop_heap(open_, std::greater{}, &Entry::estimate);
     open_.pop_back();
@@ -100,10 +85,10 @@ JointAStar::Outcome JointAStar::search(std::size_t moves) {
     if (is_goal(next.at)) {
       end_ = next.at;
     } else {
-      k += expand(next.at);
+      moves += expand(next.at);
     }
   }
-  return Outcome::searching;
+  return SearchState::searching;
 }
 
 std::vector<VertexMove> JointAStar::moves() const {

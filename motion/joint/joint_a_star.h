@@ -13,27 +13,20 @@
 #include <unordered_map>
 #include <vector>
 
-#include "motion/joint/vertex_task.h"
-#include "motion/lattice/annotated_roadmap.h"
-#include "motion/lattice/cost_to_go.h"
+#include "motion/joint/cluster.h"
 
 namespace coppice {
 
 class JointAStar {
  public:
-  /// Whether a configuration of so many robots on so many vertices fits into a key.
-  static bool fits(std::size_t places, std::size_t robots);
+  /// `cluster` must outlive it.
+  explicit JointAStar(Cluster& cluster);
 
-  /// `graph` must outlive it, and fits() must hold. Each goal must be reachable from its start if its robot
-  /// is alone.
-  JointAStar(const AnnotatedRoadmap& graph, std::vector<VertexTask> tasks);
+  /// Does a bounded amount of work. Gives up if there is no solution, if the configurations do not fit into
+  /// keys, or if it would store too many of them.
+  SearchState step();
 
-  /// `too_large`: the limit of stored configurations is reached.
-  enum class Outcome { searching, solved, no_solution, too_large };
-  /// Examines about `moves` further moves.
-  Outcome search(std::size_t moves);
-
-  /// The moves of the solution, one robot after the other while all others stand. Valid only once solved.
+  /// The moves of the solution. Valid only once solved.
   std::vector<VertexMove> moves() const;
 
  private:
@@ -60,15 +53,12 @@ class JointAStar {
   void reach(Key at, const Node& node);
   std::size_t expand(Key at);
 
-  const AnnotatedRoadmap& graph_;
-  std::vector<VertexTask> tasks_;
+  Cluster& cluster_;
   std::size_t bits_;
-  std::vector<Vertex> numbers_;
-  std::vector<std::optional<CostToGo>> cost_to_go_;  ///< by robot; none if it has no goal
-  std::unordered_map<Key, Node> nodes_;
-  std::vector<Entry> open_;  ///< a heap
+  std::unordered_map<Key, Node> nodes_{};
+  std::vector<Entry> open_{};  ///< a heap
   Key start_ = 0;
-  std::optional<Key> end_;
+  std::optional<Key> end_{};
 };
 
 }  // namespace coppice

@@ -9,9 +9,11 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "coppice/planning/geometry.h"
+#include "motion/trajectory/segments.h"
 
 namespace coppice {
 
@@ -28,6 +30,15 @@ inline std::optional<Point2> end_of(const JointTask& task) {
 }
 inline bool wants_to_move(const JointTask& task) {
   return task.movable && task.goal && *task.goal != task.position;
+}
+
+/// The robots that are not movable.
+inline std::vector<Disc> immovable(std::span<const JointTask> tasks) {
+  std::vector<Disc> discs;
+  for (const JointTask& task : tasks) {
+    if (!task.movable) discs.push_back({task.position, task.radius});
+  }
+  return discs;
 }
 
 struct Move {

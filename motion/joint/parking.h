@@ -1,89 +1,68 @@
-// Finds parking positions, at which robots of a cluster close no way, and the ways there past the others.
-// Evacuate and reassemble (evacuate_and_reassemble.h) uses them.
+// Evacuates a cluster: one robot after the other drives to a parking vertex, where it closes no way.
 //
-// A position is suitable if the largest of the robots can drive around it. In narrow maps it is also suitable
-// if the free space around all parked robots stays in one piece: the position takes away no more space than a
-// robot covers, and all robots' positions and aims remain connected. An infrastructure with such positions is
-// well-formed (Cap, Vokrinek, Kleiner, "Complete Decentralized Method for On-Line Multi-Robot Trajectory
-// Planning in Well-formed Infrastructures", 2015).
-//
-// Metres in the map frame.
+// A vertex is suitable if the roadmap around all parked robots stays in one piece: the position cuts off
+// fewer vertices than the robot covers, and all robots' vertices and aims remain connected. A roadmap with
+// such vertices is well-formed (Cap, Vokrinek, Kleiner, "Complete Decentralized Method for On-Line
+// Multi-Robot Trajectory Planning in Well-formed Infrastructures", 2015).
 #pragma once
 
 #include <cstddef>
-#include <map>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
-#include "coppice/planning/clearance_field.h"
-#include "coppice/planning/geometry.h"
-#include "motion/joint/route_finders.h"
+#include "motion/joint/cluster.h"
 
 namespace coppice {
-
-/// The lattices on which ways are searched. `scouts` are further ones for queries in the middle of a search.
-struct Lattices {
-  const ClearanceField& field;
-  RouteFinders finders{field};
-  RouteFinders scouts{field};
-  std::size_t effort() const { return finders.effort() + scouts.effort(); }
-};
 
 class Parking {
  public:
   struct Robot {
-    Point2 at = Point2::Zero();
-    std::optional<Point2> aim{};  ///< where the robot wants to be in the end; none: any position will do
-    double radius = 0;
-    bool takes_part = false;  ///< false: the robot stands at `at` for good
+    Vertex at = 0;
+    std::optional<Vertex> aim{};  ///< where the robot wants to be in the end; none: any vertex will do
+    bool takes_part = false;      ///< false: the robot stands at `at` for good
   };
 
-  /// `lattices` must outlive it.
-  Parking(Lattices& lattices, std::vector<Robot> robots);
+  /// `graph` must outlive it. The robots are asked in the given order.
+  Parking(const AnnotatedRoadmap& graph, std::vector<Robot> robots, std::vector<std::uint32_t> order);
 
-  /// The way to the robot's aim, if it closes no way there. Otherwise the robot stays where it is, if it
-  /// closes no way there; otherwise the way to the nearest suitable position. Empty: there is no such way
-  /// now.
-  Path way(std::size_t robot);
-  /// The way to the nearest suitable position.
-  Path way_aside(std::size_t robot);
-  /// The way to its aim, even if the robot closes ways there. Empty: another robot is in the way, or there is
-  /// no way.
-  Path way_to_aim(std::size_t robot);
-
-  /// The robot drives that way and parks at its end.
-  void park(std::size_t robot, const Path& way);
-  const Point2& at(std::size_t robot) const { return robots_[robot].at; }
-  /// The robots that take part and are not parked yet; ascending.
-  std::vector<std::size_t> left() const;
+  /// Parks one robot, or finds that it has no way now. Gives up if no robot has one.
+  SearchState step();
+  const std::vector<VertexMove>& moves() const { return moves_; }
+  Vertex at(std::uint32_t robot) const { return robots_[robot].at; }
+  /// Number of edges that were examined.
+  std::size_t effort() const { return effort_; }
 
  private:
-  struct Group {  ///< of points that are connected
-    std::vector<Point2> places;
-    std::size_t room;  ///< number of lattice vertices that they are connected with
+  enum Stands : std::uint8_t { nobody, somebody, for_good };
+  using Vertices = std::vector<Vertex>;
+  struct Part {
+    Vertices wanted;  ///< vertices that must stay connected
+    Vertices all;     ///< all vertices that are connected with them
   };
 
-  void begin_search(std::size_t robot);
-  std::vector<Disc> others(std::size_t robot) const;
-  bool closes_nothing(const Point2& place);
-  bool overlaps(const Point2& place) const;
-  bool can_be_driven_around(const Point2& place) const;
-  bool keeps_all_connected(const Point2& place);
-  std::vector<Point2> to_be_connected() const;
-  std::vector<Group> groups(double radius);
-  std::vector<Disc> standing() const;
+  template <class Wanted>
+  std::optional<std::vector<VertexMove>> way(Vertex from, Stands walls, Wanted&& wanted);
+  std::optional<std::vector<VertexMove>> way_to_park();
+  void park(const std::vector<VertexMove>& way);
+  Vertices flood(Vertex from, std::optional<Vertex> also_taken);
+  Vertices to_be_connected() const;
+  void find_parts();
+  bool closes_nothing(Vertex place);
+  bool stays_in_one_piece(const Part& part, Vertex place);
 
-  Lattices& lattices_;
+  const AnnotatedRoadmap& graph_;
   std::vector<Robot> robots_;
-  double smallest_ = 0;  ///< radius of the smallest robot that takes part
-  double largest_ = 0;
-  /// From the parking position back to the start; empty: the robot has not parked.
-  std::vector<Path> way_out_;
-
-  std::size_t robot_ = 0;                        ///< the robot that looks for a position
-  std::vector<Point2> asked_;                    ///< positions that were examined closely
-  std::size_t asks_until_ = 0;                   ///< limit of the scouts' effort
-  std::map<double, std::vector<Group>> groups_;  ///< by radius; empty: not computed yet
+  std::vector<std::uint32_t> pending_;             ///< the first is next
+  std::size_t in_vain_ = 0;                        ///< consecutive robots without a way
+  std::uint32_t robot_ = 0;                        ///< the robot that is to park
+  std::vector<Stands> stands_;                     ///< by vertex
+  std::vector<std::vector<VertexMove>> ways_out_;  ///< by robot, from where it has parked
+  std::vector<Part> parts_{};                      ///< while `robot_` looks for a vertex
+  std::vector<std::uint32_t> seen_;                ///< by vertex: number of the search that reached it
+  std::uint32_t search_ = 0;
+  std::vector<VertexMove> moves_{};
+  std::size_t effort_ = 0;
 };
 
 }  // namespace coppice

@@ -45,10 +45,7 @@ void check_tasks(const ClearanceField& field, std::span<const DrivingTask> tasks
 JointPlan joint_plan_for(MapRoadmaps& places, std::span<const DrivingTask> tasks, std::uint64_t seed) {
   std::vector<JointTask> joint;
   for (const DrivingTask& task : tasks) joint.push_back({task.start, task.goal, task.radius});
-  JointPlanner planner(places, std::move(joint), Random(seed));
-  while (!planner.step()) {
-  }
-  return planner.take_plan();
+  return joint_plan(places, std::move(joint), Random(seed));
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "coppice/planning/geometry.h"
+#include "motion/trajectory/segments.h"
 
 namespace coppice {
 
@@ -40,21 +41,28 @@ class AnnotatedRoadmap {
   static AnnotatedRoadmap over(const AnnotatedRoadmap& base) {
     AnnotatedRoadmap graph;
     graph.places_ = base.places_;
+    graph.radii_ = base.radii_;
     graph.edges_ = base.edges_;
     return graph;
   }
 
-  /// Adds a vertex. Vertices are numbered 0, 1, 2, ... in the order of their addition.
-  Vertex add(const Point2& p) {
+  /// Adds a vertex for robots of `radius`. Vertices are numbered 0, 1, 2, ... in the order of their addition.
+  Vertex add(const Point2& p, double radius = 0) {
     const auto place = static_cast<Vertex>(places_.size());
     places_.push_back(p);
+    radii_.push_back(radius);
     edges_.push_back(&own_[place]);
     return place;
   }
 
   std::size_t size() const { return places_.size(); }
   const Point2& at(Vertex place) const { return places_[place]; }
+  double radius(Vertex place) const { return radii_[place]; }
   const std::vector<Edge>& edges(Vertex from) const { return *edges_[from]; }
+  /// Whether robots that stand on two vertices are too near to each other.
+  bool touch(Vertex a, Vertex b) const {
+    return (places_[a] - places_[b]).norm() < radii_[a] + radii_[b] + standing_gap;
+  }
 
   /// The edges of a vertex, for changing them. They are copied if they were shared.
   std::vector<Edge>& own_edges(Vertex from) {
@@ -71,11 +79,13 @@ class AnnotatedRoadmap {
       for (Edge& edge : edges) edge.near.shrink_to_fit();
     }
     places_.shrink_to_fit();
+    radii_.shrink_to_fit();
     edges_.shrink_to_fit();
   }
 
  private:
   std::vector<Point2> places_;
+  std::vector<double> radii_;                    ///< by vertex
   std::vector<const std::vector<Edge>*> edges_;  ///< by the vertex that they lead from
   /// By the vertex that they lead from: edges that are not shared.
   std::unordered_map<Vertex, std::vector<Edge>> own_;

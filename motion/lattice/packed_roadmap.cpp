@@ -66,14 +66,18 @@ void add_near(const NeighbourGrid<2>& grid, double reach, Vertex first, const Ne
   });
 }
 
+void sort_near(Edge& edge) {
+  std::ranges::sort(edge.near);
+  edge.near.erase(std::unique(edge.near.begin(), edge.near.end()), edge.near.end());
+}
+
 /// An edge along the path. add(edge) appends the vertices near it.
 template <class Add>
 Edge edge_along(Vertex to, Path path, Add&& add) {
   const double length = length_of(path);
   Edge edge{.to = to, .length = length, .path = std::move(path), .near = {to}};
   add(edge);
-  std::ranges::sort(edge.near);
-  edge.near.erase(std::unique(edge.near.begin(), edge.near.end()), edge.near.end());
+  sort_near(edge);
   return edge;
 }
 
@@ -164,7 +168,7 @@ void PackedRoadmap::pack(std::span<const Lattice::Vertex> order) {
     });
     if (taken) continue;
     grid.insert(p);
-    grid_.insert(packed_.at(packed_.add(p)));
+    grid_.insert(packed_.at(packed_.add(p, radius_)));
     place_at_.emplace(v, static_cast<Vertex>(size() - 1));
   }
 }
@@ -350,7 +354,7 @@ AnnotatedRoadmap PackedRoadmap::with(std::span<const Point2> more, std::span<con
   const Nearness is_near{touching_, apart_};
   NeighbourGrid<2> grid_of_more(field_.bounds(), reach_);
   for (const Point2& p : more) {
-    const Vertex place = graph.add(p);
+    const Vertex place = graph.add(p, radius_);
     grid_of_more.insert(p);
     for_each_way_near(p, apart_, [&](Vertex a, Vertex b) {
       for (const auto& [from, to] : {std::pair(a, b), std::pair(b, a)}) {
@@ -434,6 +438,39 @@ std::vector<Point2> PackedRoadmap::stacked(std::span<const Point2> centres) cons
     }
   }
   return result;
+}
+
+/// Edges keep the robots of two sizes from touching. Within a size, packed vertices also leave some room.
+AnnotatedRoadmap united(std::span<const AnnotatedRoadmap> parts, const Box<2>& bounds) {
+  AnnotatedRoadmap all;
+  std::vector<Vertex> first;  // by part
+  for (const AnnotatedRoadmap& part : parts) {
+    first.push_back(static_cast<Vertex>(all.size()));
+    for (Vertex v = 0; v < part.size(); ++v) {
+      std::vector<Edge>& edges = all.own_edges(all.add(part.at(v), part.radius(v)));
+      edges = part.edges(v);
+      for (Edge& edge : edges) {
+        edge.to += first.back();
+        for (Vertex& near : edge.near) near += first.back();
+      }
+    }
+  }
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    for (std::size_t other = 0; other < parts.size(); ++other) {
+      if (other == k) continue;
+      const double touching = parts[k].radius(0) + parts[other].radius(0) + standing_gap;
+      NeighbourGrid<2> grid(bounds, 1.5 * touching);
+      for (Vertex v = 0; v < parts[other].size(); ++v) grid.insert(parts[other].at(v));
+      for (Vertex v = 0; v < parts[k].size(); ++v) {
+        for (Edge& edge : all.own_edges(first[k] + v))
+          add_near(grid, 1.5 * touching, first[other], {touching, touching}, edge);
+      }
+    }
+  }
+  for (Vertex v = 0; v < all.size(); ++v) {
+    for (Edge& edge : all.own_edges(v)) sort_near(edge);
+  }
+  return all;
 }
 
 /// As if all of the map were free.

@@ -99,6 +99,10 @@ class PackedRoadmap {
   std::vector<std::pair<Vertex, Vertex>> ways_;  ///< by such a point: the ends of its edge, the smaller first
 };
 
+/// One roadmap for robots of several sizes: all vertices and edges of the parts, one after the other. Each
+/// part has the vertices of one size, and a robot stays on the part of its size.
+AnnotatedRoadmap united(std::span<const AnnotatedRoadmap> parts, const Box<2>& bounds);
+
 /// The packed roadmaps and lattices of a map. Each is made when it is first requested, because packing takes
 /// as long as many joint plans.
 ///

@@ -118,24 +118,22 @@ PlanMaker::MakesMoves PlanMaker::first_attempt(Random random, double since) cons
 
 /// Returns true if there is no plan that brings everybody to the goal.
 bool PlanMaker::make_moves(MakesMoves& phase, double now, bool everybody) {
-  const bool ends = phase.planner->step();
+  std::optional<JointPlan> plan = phase.planner->step();
   const bool is_last_resort = attempts_.size() == 1 && !best_;
-  const bool fails =
-      !is_last_resort && (ends ? !phase.planner->plan().stranded.empty() : --phase.steps_left == 0);
+  const bool fails = !is_last_resort && (plan ? !plan->stranded.empty() : --phase.steps_left == 0);
   if (fails && best_) {
     go_on(now);
   } else if (fails) {
     attempts_.erase(attempts_.begin());
     phase = first_attempt(random_, phase.since);
-  } else if (ends) {
-    JointPlan plan = phase.planner->take_plan();
-    if (everybody && !plan.stranded.empty()) {
+  } else if (plan) {
+    if (everybody && !plan->stranded.empty()) {
       phase_ = Fails();
       return true;
     }
-    begin_where_robots_stand(plan);
-    auto schedule = schedule_of(plan, now);
-    phase_ = FindsTimes{std::move(plan), std::move(schedule), phase.since};
+    begin_where_robots_stand(*plan);
+    auto schedule = schedule_of(*plan, now);
+    phase_ = FindsTimes{*std::move(plan), std::move(schedule), phase.since};
   }
   return false;
 }

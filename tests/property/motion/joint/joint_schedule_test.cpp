@@ -61,10 +61,7 @@ struct Rooms {
   explicit Rooms(std::uint64_t seed) : random(seed) {
     for (const StartAndGoal& task : random_tasks(field, 8, 1.1 * radius, 0.2, random))
       tasks.push_back({task.start, task.goal, 1.1 * radius});
-    JointPlanner planner(places, tasks, Random(seed));
-    while (!planner.step()) {
-    }
-    plan = planner.take_plan();
+    plan = joint_plan(places, tasks, Random(seed));
     trajectories = complete({places, robots_of(tasks), plan.moves, {}, {}, 1, period});
   }
   Random random;

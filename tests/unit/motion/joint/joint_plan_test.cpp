@@ -8,6 +8,7 @@
 #include "messages/validation.h"
 #include "motion/joint/joint_planner.h"
 #include "motion/trajectory/precedence.h"
+#include "tests/support.h"
 #include "tests/unit/motion/plans.h"
 
 namespace coppice {
@@ -29,10 +30,7 @@ OccupancyMap corridor(int width, int length = 160) {
 JointPlan solve(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
   const ClearanceField field(map);
   MapRoadmaps places(field);
-  JointPlanner planner(places, tasks, Random(1));
-  while (!planner.step()) {
-  }
-  JointPlan plan = planner.plan();
+  JointPlan plan = joint_plan(places, tasks, Random(1));
 
   const std::vector<Point2> at = driven(map, tasks, plan);
   for (std::size_t i = 0; i < tasks.size(); ++i) {
@@ -61,8 +59,9 @@ int steps_for_a_clinch(const std::vector<JointTask>& clinch) {
   MapRoadmaps places(field);
   JointPlanner planner(places, tasks, Random(1));
   int steps = 1;
-  while (!planner.step()) ++steps;
-  EXPECT_TRUE(planner.plan().stranded.empty());
+  std::optional<JointPlan> plan;
+  for (plan = planner.step(); !plan; plan = planner.step()) ++steps;
+  EXPECT_TRUE(plan->stranded.empty());
   return steps;
 }
 
@@ -287,6 +286,17 @@ TEST(JointPlan, ARobotWithoutAGoalLeavesTheGoalOfAnother) {
   const JointPlan plan =
       solve(corridor(14), {{{100, 60}, Point2(200, 60), 5}, {{200, 60}, Point2(200, 60), 5}});
   EXPECT_EQ(plan.stranded.size(), 1u);
+}
+
+TEST(JointPlan, ThePageListsTheStrategiesInTheirOrder) {
+  const std::string page = test::contents(COPPICE_SOURCE_DIR "/docs/coordination.md");
+  std::size_t at = 0;
+  for (const JointPlanner::Strategy& strategy : JointPlanner::strategies()) {
+    const std::string row =
+        "\n| " + std::string(strategy.name) + " | " + std::string(strategy.serves) + " | ";
+    at = page.find(row, at);
+    ASSERT_NE(at, std::string::npos) << row;
+  }
 }
 
 TEST(JointPlan, TwentyRobotsArriveInRoomsAndMaze) {

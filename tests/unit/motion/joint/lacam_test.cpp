@@ -39,8 +39,9 @@ std::vector<Vertex> made(const AnnotatedRoadmap& graph, const std::vector<Vertex
 }
 
 void expect_solved(const AnnotatedRoadmap& graph, const std::vector<VertexTask>& tasks) {
-  Lacam lacam(graph, tasks, Random(1));
-  ASSERT_EQ(lacam.search(100'000), Lacam::Outcome::solved);
+  Cluster cluster(graph, tasks);
+  Lacam lacam(cluster, Random(1));
+  ASSERT_EQ(lacam.search(100'000), SearchState::solved);
   const std::vector<Vertex> at = made(graph, tasks, lacam.moves());
   for (std::size_t i = 0; i < tasks.size(); ++i) {
     EXPECT_EQ(at[i], tasks[i].goal.value_or(at[i]));
@@ -62,16 +63,18 @@ TEST(Lacam, ARobotWithoutAGoalGivesWay) {
 
 TEST(Lacam, AProblemWithoutASolutionIsProved) {
   const AnnotatedRoadmap graph = grid(6, 1);
-  Lacam lacam(graph, {{0, 5}, {5, 0}}, Random(1));
-  EXPECT_EQ(lacam.search(100'000), Lacam::Outcome::no_solution);
+  Cluster cluster(graph, {{0, 5}, {5, 0}});
+  Lacam lacam(cluster, Random(1));
+  EXPECT_EQ(lacam.search(100'000), SearchState::gave_up);
 }
 
 TEST(Lacam, ARobotThatCannotReachItsGoalGivesWay) {
   AnnotatedRoadmap graph = grid(5, 2);
   const Vertex cell = graph.add(Point2(9, 9));
-  Lacam lacam(graph, {{0, 4}, {2, cell}, {7, 6}}, Random(1));
-  EXPECT_EQ(lacam.shut_in(), std::vector<std::uint32_t>{1});
-  ASSERT_EQ(lacam.search(100'000), Lacam::Outcome::solved);
+  Cluster cluster(graph, {{0, 4}, {2, cell}, {7, 6}});
+  EXPECT_EQ(cluster.shut_in(), std::vector<std::uint32_t>{1});
+  Lacam lacam(cluster, Random(1));
+  ASSERT_EQ(lacam.search(100'000), SearchState::solved);
   const std::vector<Vertex> at = made(graph, {{0, 4}, {2, cell}, {7, 6}}, lacam.moves());
   EXPECT_EQ(at[0], 4u);
   EXPECT_EQ(at[2], 6u);
@@ -79,8 +82,9 @@ TEST(Lacam, ARobotThatCannotReachItsGoalGivesWay) {
 
 TEST(Lacam, TheSearchStopsAtItsLimit) {
   const AnnotatedRoadmap graph = grid(6, 1);
-  Lacam lacam(graph, {{0, 5}, {5, 0}}, Random(1));
-  EXPECT_EQ(lacam.search(3), Lacam::Outcome::searching);
+  Cluster cluster(graph, {{0, 5}, {5, 0}});
+  Lacam lacam(cluster, Random(1));
+  EXPECT_EQ(lacam.search(3), SearchState::searching);
   EXPECT_EQ(lacam.under_way(), (std::vector<std::uint32_t>{0, 1}));
 }
 
@@ -102,10 +106,11 @@ TEST(Lacam, TheSameSeedMakesTheSameMoves) {
   const AnnotatedRoadmap graph = grid(8, 8);
   std::vector<VertexTask> tasks;
   for (Vertex k = 0; k < 20; ++k) tasks.push_back({k, 63 - k});
-  Lacam a(graph, tasks, Random(3));
-  Lacam b(graph, tasks, Random(3));
-  ASSERT_EQ(a.search(10'000), Lacam::Outcome::solved);
-  ASSERT_EQ(b.search(10'000), Lacam::Outcome::solved);
+  Cluster cluster(graph, tasks);
+  Lacam a(cluster, Random(3));
+  Lacam b(cluster, Random(3));
+  ASSERT_EQ(a.search(10'000), SearchState::solved);
+  ASSERT_EQ(b.search(10'000), SearchState::solved);
   ASSERT_EQ(a.moves().size(), b.moves().size());
   for (std::size_t k = 0; k < a.moves().size(); ++k) EXPECT_EQ(a.moves()[k].edge, b.moves()[k].edge);
 }

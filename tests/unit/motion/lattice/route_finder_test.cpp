@@ -49,10 +49,6 @@ TEST(RouteFinder, NoRouteLeadsThroughAClosedDoorOrToATakenGoal) {
   EXPECT_FALSE(finder.route({20, 30}, {80, 30}, {}).empty());
   EXPECT_TRUE(finder.route({20, 30}, {80, 30}, std::vector<Disc>{{{50, 30}, 3}}).empty());
   EXPECT_TRUE(finder.route({20, 30}, {80, 30}, std::vector<Disc>{{{80, 39}, 5}}).empty());
-  const Path through = finder.route_through({20, 30}, {80, 30}, {}, std::vector<Disc>{{{50, 30}, 3}});
-  ASSERT_FALSE(through.empty());
-  EXPECT_EQ(finder.blockers(through, std::vector<Disc>{{{50, 30}, 3}, {{20, 55}, 3}}),
-            std::vector<std::size_t>{0});
 }
 
 // The robot stands between two others that it almost touches, with a third one behind it. The way out leads
@@ -82,25 +78,6 @@ TEST(RouteFinder, ThePassageWithoutSlackIsFound) {
   const ClearanceField field(map);
   RouteFinder finder(field, 4.5, 0.1);  // half a cell
   EXPECT_FALSE(finder.route({10, 20}, {50, 20}, {}).empty());
-}
-
-TEST(RouteFinder, TheRefugeLiesOffTheSweep) {
-  const ClearanceField field(open_map(100, 60));
-  RouteFinder finder(field, 5, 2);
-  const std::vector<Sweep> sweeps{{{{0, 30}, {100, 30}}, 5}};
-  const Path path = finder.refuge({50, 28}, {}, {}, sweeps, {});
-  ASSERT_FALSE(path.empty());
-  EXPECT_GE(point_segment_distance(path.back(), {0, 30}, {100, 30}), 10 + standing_gap);
-  EXPECT_LT(length_of(path), 14);
-}
-
-TEST(RouteFinder, TheFloodStopsAtDiscs) {
-  OccupancyMap map = open_map(100, 14);
-  const ClearanceField field(map);
-  RouteFinder finder(field, 5, 2);
-  finder.flood({10, 7}, std::vector<Disc>{{{50, 7}, 5}});
-  EXPECT_TRUE(finder.flooded({30, 7}));
-  EXPECT_FALSE(finder.flooded({80, 7}));
 }
 
 }  // namespace

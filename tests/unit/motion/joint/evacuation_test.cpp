@@ -1,7 +1,10 @@
-#include "motion/joint/evacuate_and_reassemble.h"
+#include "motion/joint/evacuation.h"
+
+#include <optional>
 
 #include <gtest/gtest.h>
 
+#include "motion/joint/cluster_roadmap.h"
 #include "tests/unit/motion/plans.h"
 
 namespace coppice {
@@ -14,10 +17,12 @@ using test::open_map;
 
 std::optional<JointPlan> evacuated(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
   const ClearanceField field(map);
-  EvacuateAndReassemble evacuation(field, tasks, Random(1));
-  while (!evacuation.step()) {
-  }
-  return evacuation.take_plan();
+  MapRoadmaps places(field);
+  ClusterRoadmap roadmap(places, tasks, {}, {});
+  Evacuation evacuation(roadmap.cluster(), Random(1));
+  SearchState progress = SearchState::searching;
+  while (progress == SearchState::searching) progress = evacuation.step();
+  return progress == SearchState::solved ? std::optional(roadmap.plan_of(evacuation.moves())) : std::nullopt;
 }
 
 void expect_solved(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
@@ -29,7 +34,7 @@ void expect_solved(const OccupancyMap& map, const std::vector<JointTask>& tasks)
 }
 
 // The robot that stands nearest to the exit must go in deepest.
-TEST(EvacuateAndReassemble, ADeadEndFilledInTheWrongOrderIsFilledAgain) {
+TEST(Evacuation, ADeadEndFilledInTheWrongOrderIsFilledAgain) {
   for (const int robots : {2, 6, 12}) {
     std::vector<JointTask> tasks;
     for (int k = 0; k < robots; ++k) tasks.push_back({{120.0 + 11 * k, 50}, Point2(280 - 11 * k, 50), 5});
@@ -37,20 +42,20 @@ TEST(EvacuateAndReassemble, ADeadEndFilledInTheWrongOrderIsFilledAgain) {
   }
 }
 
-TEST(EvacuateAndReassemble, ARobotAtItsGoalComesOutAndReturns) {
+TEST(Evacuation, ARobotAtItsGoalComesOutAndReturns) {
   const std::vector<JointTask> tasks{
       {{50, 50}, Point2(280, 50), 5}, {{200, 50}, Point2(200, 50), 5}, {{230, 50}, std::nullopt, 5}};
   expect_solved(hall_and_aisle(), tasks);
 }
 
-TEST(EvacuateAndReassemble, RobotsOfSeveralSizesAreReassembled) {
+TEST(Evacuation, RobotsOfSeveralSizesAreReassembled) {
   std::vector<JointTask> tasks;
   for (int k = 0; k < 6; ++k) tasks.push_back({{120.0 + 13 * k, 50}, Point2(280 - 13 * k, 50), 3 + 0.5 * k});
   expect_solved(hall_and_aisle(), tasks);
 }
 
 // No vertex is so wide that others can drive around it, so that robots park in the ends of branches.
-TEST(EvacuateAndReassemble, RobotsParkInBranchesOfCorridors) {
+TEST(Evacuation, RobotsParkInBranchesOfCorridors) {
   OccupancyMap map = open_map(200, 200);
   block(map, 0, 0, 200, 200);
   block(map, 10, 93, 190, 107, false);
@@ -58,14 +63,14 @@ TEST(EvacuateAndReassemble, RobotsParkInBranchesOfCorridors) {
   expect_solved(map, {{{30, 100}, Point2(170, 100), 5}, {{170, 100}, Point2(30, 100), 5}});
 }
 
-TEST(EvacuateAndReassemble, ThereIsNoPlanWithoutAVertexToParkOn) {
+TEST(Evacuation, ThereIsNoPlanWithoutAVertexToParkOn) {
   OccupancyMap map = open_map(200, 40);
   block(map, 0, 0, 200, 40);
   block(map, 10, 13, 190, 27, false);
   EXPECT_FALSE(evacuated(map, {{{30, 20}, Point2(170, 20), 5}, {{170, 20}, Point2(30, 20), 5}}));
 }
 
-TEST(EvacuateAndReassemble, ARobotWithoutAPathIsStrandedAndTheOthersArrive) {
+TEST(Evacuation, ARobotWithoutAPathIsStrandedAndTheOthersArrive) {
   const std::vector<JointTask> tasks{
       {{60, 20}, Point2(280, 50), 5}, {{150, 50}, Point2(20, 80), 5}, {{230, 50}, std::nullopt, 5, false}};
   const auto plan = evacuated(hall_and_aisle(), tasks);
