@@ -62,10 +62,12 @@ void JointAStar::reach(Key at, const Node& node) {
 std::size_t JointAStar::expand(Key at) {
   const float cost = nodes_.at(at).cost;
   std::size_t moves = 0;
-  for (std::uint16_t robot = 0; robot < cluster_.size(); ++robot) {
+  const auto robots = static_cast<std::uint16_t>(cluster_.size());
+  for (std::uint16_t robot = 0; robot < robots; ++robot) {
     const std::vector<AnnotatedRoadmap::Edge>& edges = cluster_.graph().edges(place(at, robot));
-    moves += edges.size();
-    for (std::uint16_t k = 0; k < edges.size(); ++k) {
+    const auto count = static_cast<std::uint16_t>(edges.size());
+    moves += count;
+    for (std::uint16_t k = 0; k < count; ++k) {
       if (!is_clear(at, robot, edges[k])) continue;
       reach(moved(at, robot, edges[k].to), {cost + static_cast<float>(edges[k].length), robot, k, at});
     }

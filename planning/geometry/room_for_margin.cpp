@@ -59,10 +59,10 @@ class Lattice {
   std::ptrdiff_t rows_;
 };
 
-using Space = std::vector<std::uint8_t>;  ///< by point of the lattice: 1 where the disc fits
+using FreePoints = std::vector<std::uint8_t>;  ///< by point of the lattice: 1 where the disc fits
 
 /// Moves the part that holds `seed` from one space to another. False if there is none.
-bool move_part(const Lattice& lattice, std::size_t seed, Space& from, Space& to) {
+bool move_part(const Lattice& lattice, std::size_t seed, FreePoints& from, FreePoints& to) {
   if (from[seed] == 0) return false;
   std::vector<std::size_t> frontier;
   const auto take = [&](std::size_t k) {
@@ -85,22 +85,22 @@ bool move_part(const Lattice& lattice, std::size_t seed, Space& from, Space& to)
 }
 
 /// The part of a space in which a larger disc fits.
-Space part_of(Space space, const Lattice& lattice, const ClearanceField& field, double radius) {
+FreePoints part_of(FreePoints space, const Lattice& lattice, const ClearanceField& field, double radius) {
   for (std::size_t k = 0; k < space.size(); ++k) {
     if (space[k] != 0 && !field.is_free(lattice.at(k), radius)) space[k] = 0;
   }
   return space;
 }
 
-std::size_t parts_of(const Lattice& lattice, Space space) {
-  Space seen(space.size(), 0);
+std::size_t parts_of(const Lattice& lattice, FreePoints space) {
+  FreePoints seen(space.size(), 0);
   std::size_t parts = 0;
   for (std::size_t k = 0; k < space.size(); ++k) parts += move_part(lattice, k, space, seen) ? 1 : 0;
   return parts;
 }
 
 /// Points minus edges plus squares.
-std::ptrdiff_t euler_characteristic(const Lattice& lattice, const Space& space) {
+std::ptrdiff_t euler_characteristic(const Lattice& lattice, const FreePoints& space) {
   std::ptrdiff_t sum = 0;
   const auto at = [&](std::ptrdiff_t i, std::ptrdiff_t j) {
     return i < lattice.columns() && j < lattice.rows() && space[lattice.index(i, j)] != 0;
@@ -117,7 +117,7 @@ std::ptrdiff_t euler_characteristic(const Lattice& lattice, const Space& space) 
 }
 
 /// Whether each point of a space is within some steps of the smaller space.
-bool covers(const Lattice& lattice, const Space& smaller, const Space& space, std::ptrdiff_t steps) {
+bool covers(const Lattice& lattice, const FreePoints& smaller, const FreePoints& space, std::ptrdiff_t steps) {
   for (std::size_t k = 0; k < space.size(); ++k) {
     if (space[k] == smaller[k]) continue;
     bool is_near = false;
@@ -132,13 +132,13 @@ bool covers(const Lattice& lattice, const Space& smaller, const Space& space, st
 bool leaves_all_passages(const ClearanceField& field, double radius, double margin,
                          std::span<const Point2> places) {
   const Lattice lattice(field);
-  Space unreached = part_of(Space(lattice.size(), 1), lattice, field, radius);
-  Space reached(lattice.size(), 0);
+  FreePoints unreached = part_of(FreePoints(lattice.size(), 1), lattice, field, radius);
+  FreePoints reached(lattice.size(), 0);
   for (const Point2& place : places) {
     lattice.for_each_near(lattice.nearest(place), 1,
                           [&](std::size_t k) { move_part(lattice, k, unreached, reached); });
   }
-  const Space smaller = part_of(reached, lattice, field, radius + margin);
+  const FreePoints smaller = part_of(reached, lattice, field, radius + margin);
   const auto rim = static_cast<std::ptrdiff_t>(std::ceil(2 * margin / lattice.spacing())) + 1;
   return euler_characteristic(lattice, reached) == euler_characteristic(lattice, smaller) &&
          parts_of(lattice, reached) == parts_of(lattice, smaller) && covers(lattice, smaller, reached, rim);

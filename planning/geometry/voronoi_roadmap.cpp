@@ -39,8 +39,9 @@ class WallTracer {
       : width_(field.frame().width), height_(field.frame().height), blocked_(field.frame().cells()) {
     const GridFrame& frame = field.frame();
     for (std::size_t k = 0; k < blocked_.size(); ++k) {
-      const auto width = static_cast<std::size_t>(width_);
-      const Point2 centre(static_cast<double>(k % width) + 0.5, static_cast<double>(k / width) + 0.5);
+      const std::size_t row = k / static_cast<std::size_t>(width_);
+      const std::size_t column = k % static_cast<std::size_t>(width_);
+      const Point2 centre(static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5);
       blocked_[k] = field.lower_bound(frame.origin + frame.resolution * centre) <= 0;
     }
   }
