@@ -9,13 +9,13 @@
 
 #include "motion/lattice/route_finder.h"
 #include "motion/trajectory/segments.h"
+#include "motion/trajectory/space_time.h"
 
 namespace coppice {
 
 namespace {
 
 constexpr double place_spacing = 0.2;  // radii, of the lattice on which vertices lie, at most
-constexpr double clinch = 2.2;         // radii between the centres of robots in a clinch, at most
 constexpr double step_aside = 0.5;     // radii from a robot in a clinch to the vertices that are added for it
 constexpr int directions = 8;
 constexpr std::size_t most_ends = 8;
@@ -173,9 +173,10 @@ void ClusterRoadmap::add_stuck_points(double radius, std::vector<Point2>& points
   for (const Point2& p : packed(radius).stacked(centres)) position_of(points, p);
 }
 
+/// Another robot is closer than trajectories keep apart.
 bool ClusterRoadmap::in_a_clinch(const JointTask& task) const {
   const auto near = std::ranges::count_if(tasks_, [&](const JointTask& other) {
-    return (other.position - task.position).norm() < clinch / 2 * (task.radius + other.radius);
+    return (other.position - task.position).norm() < kept_apart(task.radius, other.radius);
   });
   return near > 1;  // greater than 1 because the robot itself is counted
 }

@@ -11,7 +11,6 @@ namespace {
 
 constexpr int rounds = 3;
 constexpr std::size_t longest_window = 16;  // moves that are laid onto one line at once
-constexpr double comfort = 0.1;  // radii that robots keep at least between them where a way was straightened
 
 class Straightener {
  public:
@@ -82,7 +81,7 @@ class Straightener {
 
   /// Metres that the centre of a straightened robot keeps from the centre of another.
   double room(std::size_t robot, std::size_t other) const {
-    return tasks_[robot].radius * (1 + comfort) + tasks_[other].radius + standing_gap;
+    return tasks_[robot].radius * (1 + comfort_radii) + tasks_[other].radius + standing_gap;
   }
 
   /// Whether `robot` on the line stays clear of another robot, in the plan's order.

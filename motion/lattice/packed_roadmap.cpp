@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "motion/lattice/narrow_passages.h"
+#include "motion/trajectory/segments.h"
 #include "planning/geometry/free_way.h"
 #include "planning/geometry/line_of_sight.h"
 #include "planning/geometry/neighbour_grid.h"
@@ -18,7 +19,6 @@ namespace coppice {
 
 namespace {
 
-constexpr double comfort = 0.1;        // radii between robots on packed vertices, beyond touching
 constexpr double reach_of_more = 1.8;  // distance to which added vertices are linked in a straight line, in
                                        // distances between packed vertices
 constexpr double left_lane = 2;        // cost of a metre there, times that elsewhere
@@ -96,7 +96,7 @@ PackedRoadmap::PackedRoadmap(const ClearanceField& field, double radius, double 
     : field_(field),
       radius_(radius),
       touching_(2 * radius + standing_gap),
-      apart_(anchor ? touching_ : touching_ + comfort * radius),
+      apart_(anchor ? touching_ : touching_ + comfort_radii * radius),
       reach_(reach_of_more * apart_),
       lattice_(field, radius, spacing),
       grid_(field.bounds(), reach_),
@@ -175,7 +175,7 @@ void PackedRoadmap::pack(std::span<const Lattice::Vertex> order) {
 
 /// The cost of a step of `metres` from a vertex.
 double PackedRoadmap::cost(Lattice::Vertex v, double metres) const {
-  const bool tight = field_.lower_bound(lattice_.at(v)) < (1 + comfort) * radius_;
+  const bool tight = field_.lower_bound(lattice_.at(v)) < (1 + comfort_radii) * radius_;
   return metres * (tight ? detour_for_comfort : 1);
 }
 
@@ -476,7 +476,7 @@ AnnotatedRoadmap united(std::span<const AnnotatedRoadmap> parts, const Box<2>& b
 /// As if all of the map were free.
 bool MapRoadmaps::can_pack(double radius) const {
   const Point2 extent = field_.bounds().upper - field_.bounds().lower;
-  const double apart = std::max((2 + comfort) * radius, field_.frame().resolution / 2);
+  const double apart = std::max((2 + comfort_radii) * radius, field_.frame().resolution / 2);
   return extent.prod() <= most_places * apart * apart;
 }
 

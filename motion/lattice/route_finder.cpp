@@ -16,9 +16,6 @@ namespace coppice {
 
 namespace {
 
-// Share of the own radius that is kept clear beyond the radii: how far a robot that follows its route may
-// stray.
-constexpr double comfort = 0.1;
 constexpr double rounding = 1e-9;  // metres
 // Limit of a lattice that is to find what a coarser one did not: 40 MB.
 constexpr double most_vertices = 1.5e6;
@@ -78,7 +75,7 @@ std::vector<RouteFinder::Obstacle> RouteFinder::obstacles(std::span<const Disc> 
   std::vector<Obstacle> result;
   for (const Disc& disc : discs) {
     const double touching = radius_ + disc.radius + standing_gap;
-    double distance = touching + comfort * radius_;
+    double distance = touching + comfort_radii * radius_;
     if ((from - disc.centre).norm() < distance) distance = at_end(from, disc, touching);
     if ((to - disc.centre).norm() < distance) distance = std::min(distance, at_end(to, disc, touching));
     result.push_back({disc.centre, distance});

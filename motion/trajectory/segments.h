@@ -17,6 +17,9 @@ struct Disc {
 
 /// Metres that plans keep between standing robots beyond their radii: more than motion/body/promise.h keeps.
 inline constexpr double standing_gap = 0.0011;
+/// Radii that plans keep between robots beyond touching, where there is room for that. With less, robots slow
+/// down beside each other; with more, fewer fit side by side.
+inline constexpr double comfort_radii = 0.1;
 
 /// The least distance between two points that move linearly from a0 to a1 and from b0 to b1 in the same time.
 inline double closest_approach(const Point2& a0, const Point2& a1, const Point2& b0, const Point2& b1) {

@@ -16,7 +16,6 @@ namespace coppice {
 
 namespace {
 
-constexpr double roomy = 0.1;    // of the radii
 constexpr int most_in_vain = 3;  // plans in a row that are no better
 // Another plan is made if a robot waits on average so many times as long as it takes to make it.
 constexpr double waits_that_are_worth_a_plan = 100;
@@ -84,7 +83,7 @@ std::vector<PlanMaker::Attempt> PlanMaker::attempts(std::span<const FleetMember>
   constexpr int few_steps = 10;  // LaCAM has then found a plan, or evacuation is next
   constexpr int any_number = std::numeric_limits<int>::max();
   const std::vector<JointTask> tasks = joint_tasks(members, obstacles, field);
-  std::vector<Attempt> all{{with_room(tasks, field, roomy, 0), few_steps}};
+  std::vector<Attempt> all{{with_room(tasks, field, comfort_radii, 0), few_steps}};
   if (field.inflation() > 0) all.push_back({with_room(tasks, field, 0, field.inflation() / 2), few_steps});
   std::erase_if(all, [](const Attempt& attempt) { return attempt.tasks.empty(); });
   all.push_back({tasks, any_number});

@@ -4,21 +4,23 @@
 #include <cmath>
 #include <numbers>
 
+#include "motion/trajectory/space_time.h"
+
 namespace coppice {
 
 namespace {
 
-constexpr double winding = 1.4;       // of the straight line
-constexpr double beside_radii = 2.2;  // radii between the centres of two robots that pass each other
+constexpr double winding = 1.4;  // of the straight line
 constexpr int directions = 32;
 
 }  // namespace
 
 bool closes_a_passage(const Point2& p, double radius, const ClearanceField& field) {
+  const double beside = kept_apart(radius, radius);  // metres between two robots that pass each other
   std::array<bool, directions> is_free{};
   for (std::size_t k = 0; k < directions; ++k) {
     const double angle = 2 * std::numbers::pi * static_cast<double>(k) / directions;
-    is_free[k] = field.is_free(p + beside_radii * radius * Point2(std::cos(angle), std::sin(angle)), radius);
+    is_free[k] = field.is_free(p + beside * Point2(std::cos(angle), std::sin(angle)), radius);
   }
   int parts = 0;
   for (std::size_t k = 0; k < directions; ++k)
