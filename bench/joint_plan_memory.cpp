@@ -26,11 +26,11 @@ int most_memory() {
 
 void measure(const Scenario& scenario) {
   const ClearanceField field(scenario.map);
-  MapRoadmaps places(field);
+  MapRoadmaps roadmaps(field);
   std::cout << "map " << most_memory() << '\n';
   std::vector<JointTask> tasks;
   for (const RobotTask& robot : scenario.robots) tasks.push_back({robot.start, robot.goal, robot.radius});
-  const JointPlan plan = joint_plan(places, std::move(tasks), Random(1));
+  const JointPlan plan = joint_plan(roadmaps, std::move(tasks), Random(1));
   std::cout << "joint plan " << most_memory() << ", " << plan.moves.size() << " moves, "
             << plan.stranded.size() << " stranded\n";
 }

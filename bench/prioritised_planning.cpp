@@ -26,23 +26,24 @@ struct PlannedFleet {
 };
 
 /// The earliest trajectory of a robot around those of others.
-std::optional<Trajectory> trajectory_around(const PlannedFleet& fleet, MapRoadmaps& places, std::size_t robot,
+std::optional<Trajectory> trajectory_around(const PlannedFleet& fleet, MapRoadmaps& roadmaps,
+                                            std::size_t robot,
                                             const std::vector<std::optional<Trajectory>>& others) {
   const RobotTask& task = fleet.robots[robot];
   SpaceTime taken(fleet.field.bounds(), task.radius);
   for (std::size_t k = 0; k < others.size(); ++k) {
     if (others[k]) taken.add(*others[k], fleet.robots[k].radius);
   }
-  SafeIntervalSearch search(fleet.field, places.lattice(task.radius), task.radius, fleet.paths[robot]);
+  SafeIntervalSearch search(fleet.field, roadmaps.lattice(task.radius), task.radius, fleet.paths[robot]);
   return search.search(taken, 0, {task.max_speed, task.max_acceleration});
 }
 
 /// The first robot of the order that finds no trajectory; nothing if all found one.
 std::optional<std::size_t> plan_in(const std::vector<std::size_t>& order, const PlannedFleet& fleet,
-                                   MapRoadmaps& places, std::vector<std::optional<Trajectory>>& plan) {
+                                   MapRoadmaps& roadmaps, std::vector<std::optional<Trajectory>>& plan) {
   plan.assign(fleet.robots.size(), std::nullopt);
   for (const std::size_t robot : order) {
-    plan[robot] = trajectory_around(fleet, places, robot, plan);
+    plan[robot] = trajectory_around(fleet, roadmaps, robot, plan);
     if (!plan[robot]) return robot;
   }
   return std::nullopt;
@@ -53,7 +54,7 @@ std::optional<std::size_t> plan_in(const std::vector<std::size_t>& order, const 
 std::optional<ReferenceFigures> prioritised_planning(const Scenario& scenario) {
   const PlannedFleet fleet(scenario);
   if (std::ranges::any_of(fleet.paths, &Path::empty)) return std::nullopt;
-  MapRoadmaps places(fleet.field);
+  MapRoadmaps roadmaps(fleet.field);
   std::vector<std::size_t> order(fleet.robots.size());
   std::iota(order.begin(), order.end(), 0u);
   std::ranges::stable_sort(order, std::ranges::greater(), [&](std::size_t k) {
@@ -61,7 +62,7 @@ std::optional<ReferenceFigures> prioritised_planning(const Scenario& scenario) {
   });
   std::vector<std::optional<Trajectory>> plan;
   for (int attempt = 0; attempt < attempts; ++attempt) {
-    const auto failed = plan_in(order, fleet, places, plan);
+    const auto failed = plan_in(order, fleet, roadmaps, plan);
     if (failed) {
       const auto at = std::ranges::find(order, *failed);
       std::rotate(order.begin(), at, at + 1);

@@ -52,8 +52,8 @@ bool could_arrive(const ClearanceField& field, const JointTask& robot, std::span
 /// Whether a robot could have arrived, with other living robots in its way as well. Failed robots may close
 /// the only place where two robots could have exchanged their order.
 bool could_be_sorted_out(std::size_t robot, const ClearanceField& field, const std::vector<JointTask>& ends) {
-  MapRoadmaps places(field);
-  const JointPlan plan = joint_plan(places, ends, Random(1));
+  MapRoadmaps roadmaps(field);
+  const JointPlan plan = joint_plan(roadmaps, ends, Random(1));
   return std::ranges::find(plan.stranded, robot) == plan.stranded.end();
 }
 

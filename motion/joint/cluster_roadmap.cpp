@@ -41,9 +41,9 @@ Vertex position_of(std::vector<Point2>& points, const Point2& p) {
 
 }  // namespace
 
-ClusterRoadmap::ClusterRoadmap(MapRoadmaps& places, std::span<const JointTask> tasks,
+ClusterRoadmap::ClusterRoadmap(MapRoadmaps& roadmaps, std::span<const JointTask> tasks,
                                std::span<const std::size_t> stuck, const Choice& choice)
-    : places_(places),
+    : roadmaps_(roadmaps),
       tasks_(tasks),
       stuck_(stuck.begin(), stuck.end()),
       choice_(choice),
@@ -60,7 +60,7 @@ ClusterRoadmap::ClusterRoadmap(MapRoadmaps& places, std::span<const JointTask> t
 /// Whether a robot would have room at its position and its goal if it were so large.
 bool ClusterRoadmap::fits(std::size_t robot, double radius) const {
   const JointTask& task = tasks_[robot];
-  const auto fits_at = [&](const Point2& p) { return places_.field().is_free(p, radius); };
+  const auto fits_at = [&](const Point2& p) { return roadmaps_.field().is_free(p, radius); };
   return fits_at(task.position) && (!task.goal || fits_at(*task.goal)) &&
          std::ranges::all_of(robots_, [&](std::size_t i) {
            const JointTask& other = tasks_[i];
@@ -110,7 +110,7 @@ void ClusterRoadmap::build() {
     parts.push_back(roadmap.with(of_size, obstacles));
     size += static_cast<Vertex>(parts.back().size());
   }
-  graph_ = parts.size() == 1 ? std::move(parts.front()) : united(parts, places_.field().bounds());
+  graph_ = parts.size() == 1 ? std::move(parts.front()) : united(parts, roadmaps_.field().bounds());
   for (std::size_t k = 0; k < robots_.size(); ++k) {
     const Vertex offset = first.at(radii_[robots_[k]]);
     tasks[k].start += offset;
@@ -131,7 +131,7 @@ bool ClusterRoadmap::mend_what_is_missed() {
       mended = true;
     } else if (missed_[i].empty()) {
       const SpacedRoute route =
-          coarsest_route(places_.field(), task.radius, task.position, *task.goal, immovable(tasks_), 1);
+          coarsest_route(roadmaps_.field(), task.radius, task.position, *task.goal, immovable(tasks_), 1);
       missed_[i] = points_along(route.path, 2 * task.radius + standing_gap);
       mended = mended || !missed_[i].empty();
     }
@@ -142,19 +142,19 @@ bool ClusterRoadmap::mend_what_is_missed() {
 /// The roadmap for robots of a radius.
 PackedRoadmap& ClusterRoadmap::packed(double radius) {
   const double spacing = place_spacing * radius;
-  if (choice_.vertices != Vertices::from_an_end) return places_.packed(radius, spacing);
+  if (choice_.vertices != Vertices::from_an_end) return roadmaps_.packed(radius, spacing);
   const auto known = from_an_end_.find(radius);
   if (known != from_an_end_.end()) return known->second;
   std::vector<Point2> centres;
   for (const std::size_t i : stuck_) centres.push_back(tasks_[i].position);
-  PackedRoadmap& usual = places_.packed(radius, spacing);
+  PackedRoadmap& usual = roadmaps_.packed(radius, spacing);
   std::vector<Point2> ends = usual.ends(centres);
   ends.resize(
       std::min(ends.size(), std::clamp<std::size_t>(vertices_of_ends / usual.lattice_size(), 1, most_ends)));
   ends_ = std::max(ends_, ends.size());
   const std::optional<Point2> end =
       ends.empty() ? std::nullopt : std::optional(ends[std::min(choice_.end, ends.size() - 1)]);
-  return from_an_end_.try_emplace(radius, places_.field(), radius, spacing, end).first->second;
+  return from_an_end_.try_emplace(radius, roadmaps_.field(), radius, spacing, end).first->second;
 }
 
 /// Adds vertices for the robots that are stuck, and have this size.
@@ -167,7 +167,7 @@ void ClusterRoadmap::add_stuck_points(double radius, std::vector<Point2>& points
     for (int direction = 0; in_a_clinch(task) && direction < directions; ++direction) {
       const double angle = 2 * std::numbers::pi * direction / directions;
       const Point2 aside = task.position + step_aside * radius * Point2(std::cos(angle), std::sin(angle));
-      if (places_.field().segment_free(task.position, aside, radius)) position_of(points, aside);
+      if (roadmaps_.field().segment_free(task.position, aside, radius)) position_of(points, aside);
     }
   }
   for (const Point2& p : packed(radius).stacked(centres)) position_of(points, p);

@@ -40,9 +40,9 @@ class ClusterRoadmap {
     std::size_t end = 0;     ///< the number of the end, the nearest first
   };
 
-  /// `places`, its field and `tasks` must outlive it. At least one robot is movable; those that are not are
+  /// `roadmaps`, its field and `tasks` must outlive it. At least one robot is movable; those that are not are
   /// obstacles. `stuck` are the robots around which vertices are added, or packing begins.
-  ClusterRoadmap(MapRoadmaps& places, std::span<const JointTask> tasks, std::span<const std::size_t> stuck,
+  ClusterRoadmap(MapRoadmaps& roadmaps, std::span<const JointTask> tasks, std::span<const std::size_t> stuck,
                  const Choice& choice);
 
   Cluster& cluster() { return *cluster_; }
@@ -65,7 +65,7 @@ class ClusterRoadmap {
   void add_stuck_points(double radius, std::vector<Point2>& points);
   bool in_a_clinch(const JointTask& task) const;
 
-  MapRoadmaps& places_;
+  MapRoadmaps& roadmaps_;
   std::span<const JointTask> tasks_;
   std::vector<std::size_t> stuck_;
   Choice choice_;

@@ -47,8 +47,8 @@ std::span<const JointPlanner::Strategy> JointPlanner::strategies() {
   return all;
 }
 
-JointPlanner::JointPlanner(MapRoadmaps& places, std::vector<JointTask> tasks, Random random)
-    : places_(places), tasks_(std::move(tasks)), random_(random) {}
+JointPlanner::JointPlanner(MapRoadmaps& roadmaps, std::vector<JointTask> tasks, Random random)
+    : roadmaps_(roadmaps), tasks_(std::move(tasks)), random_(random) {}
 
 std::optional<JointPlan> JointPlanner::step() {
   if (std::ranges::none_of(tasks_, &JointTask::movable)) return JointPlan();
@@ -72,7 +72,7 @@ JointPlan JointPlanner::plan() const {
 void JointPlanner::begin() {
   ClusterRoadmap::Choice choice = strategy().roadmap;
   choice.end = end_;
-  roadmap_ = std::make_unique<ClusterRoadmap>(places_, tasks_, stuck_, choice);
+  roadmap_ = std::make_unique<ClusterRoadmap>(roadmaps_, tasks_, stuck_, choice);
   for (const std::uint32_t k : roadmap_->cluster().shut_in()) {
     shut_in_.push_back(roadmap_->task_of(k));
     tasks_[shut_in_.back()].goal.reset();
@@ -118,12 +118,12 @@ bool JointPlanner::applies() const {
 JointPlan JointPlanner::completed(JointPlan plan) {
   search_.emplace<Ends>();
   roadmap_.reset();  // frees megabytes for hundreds of robots, because straightening needs memory too
-  plan.moves = straightened(places_.field(), tasks_, std::exchange(plan.moves, {}));
+  plan.moves = straightened(roadmaps_.field(), tasks_, std::exchange(plan.moves, {}));
   return plan;
 }
 
-JointPlan joint_plan(MapRoadmaps& places, std::vector<JointTask> tasks, Random random) {
-  JointPlanner planner(places, std::move(tasks), random);
+JointPlan joint_plan(MapRoadmaps& roadmaps, std::vector<JointTask> tasks, Random random) {
+  JointPlanner planner(roadmaps, std::move(tasks), random);
   while (true) {
     if (auto plan = planner.step()) return *std::move(plan);
   }

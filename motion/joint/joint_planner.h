@@ -43,9 +43,9 @@ class JointPlanner {
   /// In the order in which they are tried.
   static std::span<const Strategy> strategies();
 
-  /// `places` and its field must outlive it. A robot that could not reach its goal even if it were alone is
+  /// `roadmaps` and its field must outlive it. A robot that could not reach its goal even if it were alone is
   /// stranded from the start, and gives way.
-  JointPlanner(MapRoadmaps& places, std::vector<JointTask> tasks, Random random);
+  JointPlanner(MapRoadmaps& roadmaps, std::vector<JointTask> tasks, Random random);
   JointPlanner(const JointPlanner&) = delete;  // its roadmap refers to its tasks
   JointPlanner& operator=(const JointPlanner&) = delete;
   ~JointPlanner() = default;
@@ -63,7 +63,7 @@ class JointPlanner {
   JointPlan plan() const;
   JointPlan completed(JointPlan plan);
 
-  MapRoadmaps& places_;
+  MapRoadmaps& roadmaps_;
   std::vector<JointTask> tasks_;
   Random random_;
   std::size_t strategy_ = 0;
@@ -77,6 +77,6 @@ class JointPlanner {
 };
 
 /// The whole plan at once.
-JointPlan joint_plan(MapRoadmaps& places, std::vector<JointTask> tasks, Random random);
+JointPlan joint_plan(MapRoadmaps& roadmaps, std::vector<JointTask> tasks, Random random);
 
 }  // namespace coppice

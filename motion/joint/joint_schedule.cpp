@@ -50,10 +50,10 @@ double touching(double radius, double other_radius) {
 
 }  // namespace
 
-JointSchedule::JointSchedule(MapRoadmaps& places, std::vector<Robot> robots, std::vector<Move> moves,
+JointSchedule::JointSchedule(MapRoadmaps& roadmaps, std::vector<Robot> robots, std::vector<Move> moves,
                              std::vector<Other> others, std::vector<Disc> obstacles, double begin,
                              double seconds_a_step)
-    : places_(places),
+    : roadmaps_(roadmaps),
       robots_(std::move(robots)),
       moves_(std::move(moves)),
       others_(std::move(others)),
@@ -97,12 +97,12 @@ double JointSchedule::cost_of_a_pass() const {
 
 /// The moves lead past the obstacles anyway.
 JointSchedule::Taken& JointSchedule::taken_for(double radius) {
-  const Box<2> bounds = places_.field().bounds();
+  const Box<2> bounds = roadmaps_.field().bounds();
   const auto [at, is_new] = taken_.try_emplace(radius);
   Taken& taken = at->second;
   if (!is_new) return taken;
   taken.emplace_back(bounds, radius);
-  if (const double margin = places_.field().inflation(); margin > 0)
+  if (const double margin = roadmaps_.field().inflation(); margin > 0)
     taken.emplace_back(bounds, radius, [margin](double a, double b) { return touching(a, b) + margin; });
   taken.emplace_back(bounds, radius, touching);
   for (SpaceTime& space : taken) {
@@ -195,8 +195,8 @@ double JointSchedule::departure(SpaceTime& taken, std::size_t k, const Trajector
 void JointSchedule::improve(std::size_t k) {
   const Robot& robot = robots_[k];
   Trajectory& own = trajectories_[k];
-  if (own.back().position == robot.start || !places_.has_lattice(robot.radius)) return;
-  SpaceTime taken(places_.field().bounds(), robot.radius);
+  if (own.back().position == robot.start || !roadmaps_.has_lattice(robot.radius)) return;
+  SpaceTime taken(roadmaps_.field().bounds(), robot.radius);
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     if (i != k) taken.add(trajectories_[i], robots_[i].radius);
   }
@@ -205,7 +205,7 @@ void JointSchedule::improve(std::size_t k) {
   }
   for (const Disc& disc : obstacles_) taken.add_obstacle(disc);
   taken.start_at(robot.start, begin_);
-  SafeIntervalSearch search(places_.field(), places_.lattice(robot.radius), robot.radius, path_of(own));
+  SafeIntervalSearch search(roadmaps_.field(), roadmaps_.lattice(robot.radius), robot.radius, path_of(own));
   auto found = search.search(taken, begin_, robot.limits, own.back().time - worthwhile);
   if (!found || found->size() < 2) return;
   saved_ += own.back().time - found->back().time;

@@ -41,9 +41,9 @@ class JointSchedule {
     bool gives_way = false;  ///< it ends in the way of the plan, which goes on as if it were not there
   };
 
-  /// `places` must outlive it. The robots stand until `begin`. `obstacles` stand for ever.
+  /// `roadmaps` must outlive it. The robots stand until `begin`. `obstacles` stand for ever.
   /// `seconds_a_step`: all robots wait for so long while step() runs once.
-  JointSchedule(MapRoadmaps& places, std::vector<Robot> robots, std::vector<Move> moves,
+  JointSchedule(MapRoadmaps& roadmaps, std::vector<Robot> robots, std::vector<Move> moves,
                 std::vector<Other> others, std::vector<Disc> obstacles, double begin, double seconds_a_step);
 
   /// Does a bounded amount of work. Returns true once the trajectories are complete.
@@ -69,7 +69,7 @@ class JointSchedule {
   void improve(std::size_t robot);
   double cost_of_a_pass() const;
 
-  MapRoadmaps& places_;
+  MapRoadmaps& roadmaps_;
   std::vector<Robot> robots_;
   std::vector<Move> moves_;
   std::vector<Other> others_;

@@ -42,10 +42,10 @@ void check_tasks(const ClearanceField& field, std::span<const DrivingTask> tasks
   check_apart(tasks, &DrivingTask::goal, "goal");
 }
 
-JointPlan joint_plan_for(MapRoadmaps& places, std::span<const DrivingTask> tasks, std::uint64_t seed) {
+JointPlan joint_plan_for(MapRoadmaps& roadmaps, std::span<const DrivingTask> tasks, std::uint64_t seed) {
   std::vector<JointTask> joint;
   for (const DrivingTask& task : tasks) joint.push_back({task.start, task.goal, task.radius});
-  return joint_plan(places, std::move(joint), Random(seed));
+  return joint_plan(roadmaps, std::move(joint), Random(seed));
 }
 
 }  // namespace
@@ -54,11 +54,11 @@ FleetTrajectories plan_trajectories(const ClearanceField& field, std::span<const
                                     std::uint64_t seed, const std::function<bool()>& stop) {
   check_tasks(field, tasks);
   if (tasks.empty()) return {};
-  MapRoadmaps places(field);
-  JointPlan plan = joint_plan_for(places, tasks, seed);
+  MapRoadmaps roadmaps(field);
+  JointPlan plan = joint_plan_for(roadmaps, tasks, seed);
   std::vector<JointSchedule::Robot> robots;
   for (const DrivingTask& task : tasks) robots.push_back({task.start, task.radius, task.limits});
-  JointSchedule schedule(places, std::move(robots), std::move(plan.moves), {}, {}, 0, 0);
+  JointSchedule schedule(roadmaps, std::move(robots), std::move(plan.moves), {}, {}, 0, 0);
   while (!schedule.step()) {
     if (schedule.has_times() && stop && stop()) break;
   }

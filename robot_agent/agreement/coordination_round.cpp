@@ -56,8 +56,8 @@ void CoordinationRound::hear(std::shared_ptr<const JointPlanMessage> plan) {
 
 /// A cluster that was not sorted out, or that formed again, is wider than it seemed.
 void CoordinationRound::call(const FleetMember& self, const Path& way, const Fleet& fleet,
-                             const MapRoadmaps& places, double now) {
-  if (fleet.known() < 2 || !places.can_pack(self.radius)) return leave();
+                             const MapRoadmaps& roadmaps, double now) {
+  if (fleet.known() < 2 || !roadmaps.can_pack(self.radius)) return leave();
   const bool again = called_at_ && now - *called_at_ < soon;
   const double cluster = fleet.cluster_reach(self.position, way, cluster_radii * self.radius);
   const double with_somebody = fleet.nearest(self.position) + self.radius;
@@ -78,7 +78,7 @@ void CoordinationRound::begin(const FleetMember& self, double reach, double now)
 }
 
 void CoordinationRound::wait(const FleetMember& self, const Fleet& fleet, const Reserver& reserver,
-                             MapRoadmaps& places, double now) {
+                             MapRoadmaps& roadmaps, double now) {
   if (!waiting_since_) waiting_since_ = now;
   if (plan_) {
     if (!self.stands) return;
@@ -89,7 +89,7 @@ void CoordinationRound::wait(const FleetMember& self, const Fleet& fleet, const 
     return;
   }
   if (id_.leader == robot_) {
-    lead(self, fleet, reserver, places, now);
+    lead(self, fleet, reserver, roadmaps, now);
     return;
   }
   const auto leader = fleet.find(id_.leader);
@@ -97,7 +97,7 @@ void CoordinationRound::wait(const FleetMember& self, const Fleet& fleet, const 
   const bool planned = !leaderless && leader->stage != Stage::waiting;
   if (planned && !planned_since_) planned_since_ = now;
   if ((leaderless && now - *waiting_since_ > fleet.second()) || waits_too_long(fleet, now)) {
-    call(self, {self.position}, fleet, places, now);
+    call(self, {self.position}, fleet, roadmaps, now);
   } else if (planned && now - *planned_since_ > long_delay * fleet.second()) {
     leave();  // it came too late for the plan
   }
@@ -111,21 +111,21 @@ bool CoordinationRound::waits_too_long(const Fleet& fleet, double now) const {
 /// stands elsewhere and wants to go nowhere is an obstacle. A robot that reports a position off the map is
 /// neither a member nor an obstacle. Calls anew if somebody does not wait in time.
 void CoordinationRound::lead(const FleetMember& self, const Fleet& fleet, const Reserver& reserver,
-                             MapRoadmaps& places, double now) {
+                             MapRoadmaps& roadmaps, double now) {
   if (maker_) {
     if (maker_->step(now, id_.reach < everywhere)) publish(self, now);
     return;
   }
   if (!self.stands || !fleet.all_wait(id_)) {
     // A robot that an operator halted for a moment has left the round, and takes part in the next one.
-    if (waits_too_long(fleet, now)) call(self, {self.position}, fleet, places, now);
+    if (waits_too_long(fleet, now)) call(self, {self.position}, fleet, roadmaps, now);
     return;
   }
   std::vector<FleetMember> members{self};
   std::vector<JointTask> obstacles;
   std::vector<KnownReservation> others;
   for (const FleetMember& m : fleet.others()) {
-    if (m.failed || !is_on_map(places.field(), m.position)) continue;
+    if (m.failed || !is_on_map(roadmaps.field(), m.position)) continue;
     if (m.round == id_ && m.stage == Stage::waiting) {
       members.push_back(m);
     } else if (m.wants_to_stay) {
@@ -135,10 +135,10 @@ void CoordinationRound::lead(const FleetMember& self, const Fleet& fleet, const 
     }
   }
   for (const Disc& failed : fleet.zones_of_failed(self.position, now)) {
-    if (is_on_map(places.field(), failed.centre, failed.radius))
+    if (is_on_map(roadmaps.field(), failed.centre, failed.radius))
       obstacles.push_back({failed.centre, std::nullopt, failed.radius, false});
   }
-  maker_ = std::make_unique<PlanMaker>(places, std::move(members), std::move(obstacles), others,
+  maker_ = std::make_unique<PlanMaker>(roadmaps, std::move(members), std::move(obstacles), others,
                                        Random(id_.epoch), now);
 }
 

@@ -65,13 +65,13 @@ class CoordinationRound {
   /// robot is to drive along `way`. A round of one robot would sort out nothing: if nobody is near, the
   /// nearest robot counts as one of the cluster. Without other robots, or on a map that is too large for
   /// joint plans (MapRoadmaps), there is no round.
-  void call(const FleetMember& self, const Path& way, const Fleet& fleet, const MapRoadmaps& places,
+  void call(const FleetMember& self, const Path& way, const Fleet& fleet, const MapRoadmaps& roadmaps,
             double now);
   void call_everybody(const FleetMember& self, double now);
 
   /// To be called in each control period while the robot waits. take_own_plan() then returns a plan to
   /// publish, once, and take_up() a plan of which this robot is a member, once.
-  void wait(const FleetMember& self, const Fleet& fleet, const Reserver& reserver, MapRoadmaps& places,
+  void wait(const FleetMember& self, const Fleet& fleet, const Reserver& reserver, MapRoadmaps& roadmaps,
             double now);
   std::optional<JointPlanMessage> take_own_plan() { return std::exchange(own_plan_, std::nullopt); }
   std::shared_ptr<const JointPlanMessage> take_up() { return std::exchange(taken_up_, nullptr); }
@@ -83,7 +83,7 @@ class CoordinationRound {
   void join(const RoundId& id);
   void note_epoch(std::uint32_t epoch);
   void begin(const FleetMember& self, double reach, double now);
-  void lead(const FleetMember& self, const Fleet& fleet, const Reserver& reserver, MapRoadmaps& places,
+  void lead(const FleetMember& self, const Fleet& fleet, const Reserver& reserver, MapRoadmaps& roadmaps,
             double now);
   bool waits_too_long(const Fleet& fleet, double now) const;
   void publish(const FleetMember& self, double now);

@@ -65,13 +65,14 @@ std::vector<JointTask> with_room(std::span<const JointTask> tasks, const Clearan
 
 }  // namespace
 
-PlanMaker::PlanMaker(MapRoadmaps& places, std::vector<FleetMember> members, std::vector<JointTask> obstacles,
-                     std::span<const KnownReservation> others, Random random, double now)
-    : places_(places),
+PlanMaker::PlanMaker(MapRoadmaps& roadmaps, std::vector<FleetMember> members,
+                     std::vector<JointTask> obstacles, std::span<const KnownReservation> others,
+                     Random random, double now)
+    : roadmaps_(roadmaps),
       members_(std::move(members)),
       others_(others.begin(), others.end()),
       random_(random),
-      attempts_(attempts(members_, obstacles, places.field())),
+      attempts_(attempts(members_, obstacles, roadmaps.field())),
       phase_(first_attempt(random_, now)) {
   for (const JointTask& task : obstacles) obstacles_.push_back({task.position, task.radius});
 }
@@ -112,7 +113,7 @@ bool PlanMaker::strands() const {
 
 PlanMaker::MakesMoves PlanMaker::first_attempt(Random random, double since) const {
   const auto& [tasks, most_steps] = attempts_.front();
-  return {std::make_unique<JointPlanner>(places_, tasks, random), since, most_steps};
+  return {std::make_unique<JointPlanner>(roadmaps_, tasks, random), since, most_steps};
 }
 
 /// Returns true if there is no plan that brings everybody to the goal.
@@ -184,7 +185,7 @@ std::unique_ptr<JointSchedule> PlanMaker::schedule_of(const JointPlan& plan, dou
   for (const FleetMember& m : members_) robots.push_back({m.position, m.radius, m.limits});
   std::vector<JointSchedule::Other> others;
   for (const KnownReservation& other : others_) others.push_back({other.trajectory, other.radius});
-  return std::make_unique<JointSchedule>(places_, std::move(robots), plan.moves, std::move(others),
+  return std::make_unique<JointSchedule>(roadmaps_, std::move(robots), plan.moves, std::move(others),
                                          obstacles_, now + Timing::plan_to_departure, control_period);
 }
 

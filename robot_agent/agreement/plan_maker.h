@@ -31,9 +31,9 @@ namespace coppice {
 
 class PlanMaker {
  public:
-  /// `places` must outlive it. `members`: as they stand, the leader first. `obstacles` stand for ever.
+  /// `roadmaps` must outlive it. `members`: as they stand, the leader first. `obstacles` stand for ever.
   /// `others`: the reservations of robots that are no members.
-  PlanMaker(MapRoadmaps& places, std::vector<FleetMember> members, std::vector<JointTask> obstacles,
+  PlanMaker(MapRoadmaps& roadmaps, std::vector<FleetMember> members, std::vector<JointTask> obstacles,
             std::span<const KnownReservation> others, Random random, double now);
 
   /// Does a bounded amount of work. Returns true once the plan is complete. If `everybody` is to be brought
@@ -80,7 +80,7 @@ class PlanMaker {
   void go_on(double now);
   double waiting(const FindsTimes& phase) const;
 
-  MapRoadmaps& places_;
+  MapRoadmaps& roadmaps_;
   std::vector<FleetMember> members_;
   std::vector<Disc> obstacles_;
   std::vector<KnownReservation> others_;

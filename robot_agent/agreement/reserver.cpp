@@ -194,11 +194,11 @@ bool Reserver::is_turn(Wanted& wanted, const Fleet& fleet, double now) const {
 }
 
 void Reserver::plan(const Path& path, double ready, const FleetMember& self, const Limits& limits,
-                    const Fleet& fleet, MapRoadmaps& places, double now, std::vector<Outgoing>& out) {
+                    const Fleet& fleet, MapRoadmaps& roadmaps, double now, std::vector<Outgoing>& out) {
   auto* const wanted = std::get_if<Wanted>(&state_);
   if (wanted == nullptr || !self.stands || !is_turn(*wanted, fleet, now)) return;
   const double begin = std::max(now + lead, ready) + speeding_up(limits);
-  TrajectoryPlanner planner(places, path, self.radius, limits, begin, others_to_reckon_with(fleet, now),
+  TrajectoryPlanner planner(roadmaps, path, self.radius, limits, begin, others_to_reckon_with(fleet, now),
                             fleet.zones_of_failed(self.position, now));
   auto found = planner.around_all();
   if (!found) {

@@ -76,7 +76,7 @@ class Reserver {
   /// Plans if it is this robot's turn: from where it stands along `path`, or beside it. It departs at
   /// `ready`, at the earliest.
   void plan(const Path& path, double ready, const FleetMember& self, const Limits& limits, const Fleet& fleet,
-            MapRoadmaps& places, double now, std::vector<Outgoing>& out);
+            MapRoadmaps& roadmaps, double now, std::vector<Outgoing>& out);
   /// Takes up the part of this robot in a joint plan, if it has one that begins where the robot stands.
   void adopt(const JointPlanMessage& plan, const FleetMember& self, const Fleet& fleet, double now,
              std::vector<Outgoing>& out);

@@ -35,15 +35,15 @@ Box<2> around(const Path& way, double metres) {
 
 }  // namespace
 
-TrajectoryPlanner::TrajectoryPlanner(MapRoadmaps& places, const Path& path, double radius,
+TrajectoryPlanner::TrajectoryPlanner(MapRoadmaps& roadmaps, const Path& path, double radius,
                                      const Limits& limits, double begin, std::vector<OtherRobot> others,
                                      std::vector<Disc> zones)
-    : places_(places),
-      field_(places.field()),
+    : roadmaps_(roadmaps),
+      field_(roadmaps.field()),
       path_(path),
       radius_(radius),
       way_(divided(path, longest_part * radius, corners_of_part)),
-      is_long_(!way_.rest.empty() || !places.has_lattice(radius)),
+      is_long_(!way_.rest.empty() || !roadmaps.has_lattice(radius)),
       limits_(limits),
       begin_(begin),
       others_(std::move(others)),
@@ -58,8 +58,8 @@ double TrajectoryPlanner::stays() const {
 SafeIntervalSearch& TrajectoryPlanner::searcher() {
   if (search_) return *search_;
   Lattice& lattice =
-      is_long_ ? part_of_map_.emplace(places_.lattice_of(around(way_.first, beside * radius_), radius_))
-               : places_.lattice(radius_);
+      is_long_ ? part_of_map_.emplace(roadmaps_.lattice_of(around(way_.first, beside * radius_), radius_))
+               : roadmaps_.lattice(radius_);
   return search_.emplace(field_, lattice, radius_, way_.first);
 }
 

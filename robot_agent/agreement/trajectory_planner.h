@@ -41,10 +41,10 @@ struct OtherRobot {
 
 class TrajectoryPlanner {
  public:
-  /// `places` and `path` must outlive it. For a disc of `radius` that sets off at the beginning of `path`, at
-  /// `begin`, and drives to its end. `zones` are closed for ever.
-  TrajectoryPlanner(MapRoadmaps& places, const Path& path, double radius, const Limits& limits, double begin,
-                    std::vector<OtherRobot> others, std::vector<Disc> zones);
+  /// `roadmaps` and `path` must outlive it. For a disc of `radius` that sets off at the beginning of `path`,
+  /// at `begin`, and drives to its end. `zones` are closed for ever.
+  TrajectoryPlanner(MapRoadmaps& roadmaps, const Path& path, double radius, const Limits& limits,
+                    double begin, std::vector<OtherRobot> others, std::vector<Disc> zones);
 
   /// A trajectory around all others; none: there is none, or the search takes too long. It ends where rest()
   /// begins.
@@ -67,7 +67,7 @@ class TrajectoryPlanner {
   template <class Fn>
   void let_give_way(Fn&& is_chosen);
 
-  MapRoadmaps& places_;
+  MapRoadmaps& roadmaps_;
   const ClearanceField& field_;
   const Path& path_;
   double radius_;

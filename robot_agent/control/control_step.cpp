@@ -137,7 +137,7 @@ void Run::take_up_plans(double now, std::vector<Outgoing>& out) {
   if (round_.stage() == Stage::waiting) round_.wait(self(), fleet_, reserver_, map_->roadmaps, now);
   if (const auto plan = round_.take_up()) {
     reserver_.adopt(*plan, self(), fleet_, now, out);
-    follow_reservation(out);
+    take_reserved_path(out);
   }
 }
 

@@ -68,7 +68,7 @@ void Run::reserve(double now, std::vector<Outgoing>& out) {
   const double ready = may_set_off() ? now : startup_since_ + fleet_.handshakes_take();
   const Path way = way_ahead();
   reserver_.plan(way, ready + time_to_face(way), self(), body_.limits(), fleet_, map_->roadmaps, now, out);
-  follow_reservation(out);
+  take_reserved_path(out);
 }
 
 /// The robot got a new goal on the way. A part of a joint plan may end elsewhere, and is carried out.
@@ -78,7 +78,7 @@ bool Run::leads_elsewhere() const {
 }
 
 /// The way of a new reservation, and the rest of the way, are the robot's path.
-void Run::follow_reservation(std::vector<Outgoing>& out) {
+void Run::take_reserved_path(std::vector<Outgoing>& out) {
   auto* const driving = std::get_if<Driving>(&task_);
   if (!reserver_.holds()) return;
   progress_.begin_path();

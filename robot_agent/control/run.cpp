@@ -334,7 +334,7 @@ void Run::take_result(PathFinder::Result result, std::unique_ptr<PathFinder> fin
   follow(route, std::get<Path>(result), out);
   enter(Driving{std::move(route)});
   // The robot may have taken up its part of a joint plan meanwhile.
-  if (!leads_elsewhere()) follow_reservation(out);
+  if (!leads_elsewhere()) take_reserved_path(out);
 }
 
 /// At the beginning of a run all robots look for their first paths at once, on few processors perhaps.

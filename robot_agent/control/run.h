@@ -156,7 +156,7 @@ class Run {
   void reserve(double now, std::vector<Outgoing>& out);
   bool may_reserve(double now) const;
   bool leads_elsewhere() const;
-  void follow_reservation(std::vector<Outgoing>& out);
+  void take_reserved_path(std::vector<Outgoing>& out);
   void call_if_it_stalls(double now);
   Path way_ahead() const;
   double time_to_face(const Path& way) const;

@@ -24,7 +24,7 @@ class TwoReservers : public testing::Test {
   /// Robots a and b, of which each knows the other by what the test hands over. a has the longer way.
   struct Robot {
     Robot(RobotName name, Path way, MapRoadmaps& map)
-        : path(std::move(way)), places(map), fleet(name), reserver(name, {}, others) {
+        : path(std::move(way)), roadmaps(map), fleet(name), reserver(name, {}, others) {
       self = {.robot = name,
               .position = path.front(),
               .radius = 5,
@@ -42,8 +42,8 @@ class TwoReservers : public testing::Test {
                            .clock = {}},
                    0);
     }
-    void want(double now) { reserver.want(path, self, places.field(), now, said); }
-    void plan(double now) { reserver.plan(path, now, self, limits, fleet, places, now, said); }
+    void want(double now) { reserver.want(path, self, roadmaps.field(), now, said); }
+    void plan(double now) { reserver.plan(path, now, self, limits, fleet, roadmaps, now, said); }
     void adopt(const JointPlanMessage& plan, double now) {
       self.round = plan.round;
       reserver.adopt(plan, self, fleet, now, said);
@@ -64,7 +64,7 @@ class TwoReservers : public testing::Test {
     const ReservationMessage& last() const { return std::get<ReservationMessage>(said.back().message); }
 
     Path path;
-    MapRoadmaps& places;
+    MapRoadmaps& roadmaps;
     Fleet fleet;
     Reservations others;
     Reserver reserver;
@@ -118,9 +118,9 @@ class TwoReservers : public testing::Test {
   }
 
   ClearanceField field{test::open_map(200, 200)};
-  MapRoadmaps places{field};
-  Robot a{"a", {{20, 100}, {180, 100}}, places};
-  Robot b{"b", {{100, 6}, {100, 190}}, places};  ///< b passes second
+  MapRoadmaps roadmaps{field};
+  Robot a{"a", {{20, 100}, {180, 100}}, roadmaps};
+  Robot b{"b", {{100, 6}, {100, 190}}, roadmaps};  ///< b passes second
 };
 
 }  // namespace coppice

@@ -79,8 +79,8 @@ TEST(JointPlans, ClustersInCorridorsAreSolved) {
     const OccupancyMap map = corridors_and_halls(random);
     const std::vector<JointTask> tasks = strewn(map, between(2, 11, random), random);
     const ClearanceField field(map);
-    MapRoadmaps places(field);
-    const JointPlan plan = joint_plan(places, tasks, Random(1));
+    MapRoadmaps roadmaps(field);
+    const JointPlan plan = joint_plan(roadmaps, tasks, Random(1));
     const std::vector<Point2> ends = test::driven(map, tasks, plan);
     for (std::size_t i = 0; i < tasks.size(); ++i) {
       const bool stranded = std::ranges::find(plan.stranded, i) != plan.stranded.end();

@@ -61,13 +61,13 @@ struct Rooms {
   explicit Rooms(std::uint64_t seed) : random(seed) {
     for (const StartAndGoal& task : random_tasks(field, 8, 1.1 * radius, 0.2, random))
       tasks.push_back({task.start, task.goal, 1.1 * radius});
-    plan = joint_plan(places, tasks, Random(seed));
-    trajectories = complete({places, robots_of(tasks), plan.moves, {}, {}, 1, period});
+    plan = joint_plan(roadmaps, tasks, Random(seed));
+    trajectories = complete({roadmaps, robots_of(tasks), plan.moves, {}, {}, 1, period});
   }
   Random random;
   OccupancyMap map = generate_map(MapKind::room, 256, 256, random);
   ClearanceField field{map};
-  MapRoadmaps places{field};
+  MapRoadmaps roadmaps{field};
   std::vector<JointTask> tasks;
   JointPlan plan;
   std::vector<Trajectory> trajectories;
@@ -142,8 +142,8 @@ TEST(JointSchedule, RobotsKeepTheOrderAtAnySpeed) {
 
 TEST(JointSchedule, RobotsThatMeetNobodySetOffAtOnce) {
   const ClearanceField field(test::open_map(200, 200));
-  MapRoadmaps places(field);
-  const auto trajectories = complete({places,
+  MapRoadmaps roadmaps(field);
+  const auto trajectories = complete({roadmaps,
                                       {{{20, 20}, radius, limits}, {{20, 100}, radius, limits}},
                                       {{0, {{20, 20}, {180, 20}}}, {1, {{20, 100}, {180, 100}}}},
                                       {},
@@ -174,11 +174,11 @@ TEST(JointSchedule, RobotsHaveTimeForEachCorner) {
 // Robot 1 waits aside in the plan. A straight way past robot 0 is shorter.
 TEST(JointSchedule, ANeedlessDetourIsLeftOut) {
   const ClearanceField field(test::open_map(200, 200));
-  MapRoadmaps places(field);
+  MapRoadmaps roadmaps(field);
   const std::vector<Move> moves{
       {1, {{180, 100}, {180, 180}}}, {0, {{20, 100}, {180, 100}}}, {1, {{180, 180}, {20, 180}, {20, 100}}}};
   const auto trajectories = complete(
-      {places, {{{20, 100}, radius, limits}, {{180, 100}, radius, limits}}, moves, {}, {}, 0, period});
+      {roadmaps, {{{20, 100}, radius, limits}, {{180, 100}, radius, limits}}, moves, {}, {}, 0, period});
   EXPECT_LT(trajectories[1].back().time, 10);
   EXPECT_GE(nearest(trajectories), kept_apart(radius, radius) - 1e-6);
 }
@@ -186,11 +186,11 @@ TEST(JointSchedule, ANeedlessDetourIsLeftOut) {
 // The other one comes from the right, and ends beside the way.
 TEST(JointSchedule, RobotsKeepApartFromThoseThatAreNotOfThePlan) {
   const ClearanceField field(test::open_map(200, 200));
-  MapRoadmaps places(field);
+  MapRoadmaps roadmaps(field);
   const JointSchedule::Other other{{{0, {100, 20}}, {4, {100, 100}}, {6, {100, 100}}, {10, {100, 180}}},
                                    radius};
   auto trajectories = complete(
-      {places, {{{20, 100}, radius, limits}}, {{0, {{20, 100}, {180, 100}}}}, {other}, {}, 0, period});
+      {roadmaps, {{{20, 100}, radius, limits}}, {{0, {{20, 100}, {180, 100}}}}, {other}, {}, 0, period});
   EXPECT_GT(trajectories[0].back().time, 8);
   trajectories.push_back(other.trajectory);
   EXPECT_GE(nearest(trajectories), kept_apart(radius, radius) - 1e-6);
@@ -199,12 +199,12 @@ TEST(JointSchedule, RobotsKeepApartFromThoseThatAreNotOfThePlan) {
 // The first robot ends on the way, the second one crosses it later, and the third one passes the start.
 TEST(JointSchedule, ThoseThatAreInTheWayForGoodMustGiveWay) {
   const ClearanceField field(test::open_map(200, 200));
-  MapRoadmaps places(field);
+  MapRoadmaps roadmaps(field);
   const JointSchedule::Other ends{{{0, {100, 20}}, {4, {100, 100}}}, radius};
   const JointSchedule::Other crosses{{{0, {150, 20}}, {10, {150, 20}}, {14, {150, 100}}, {18, {150, 180}}},
                                      radius};
   const JointSchedule::Other runs_over{{{0, {20, 20}}, {2, {20, 100}}, {4, {20, 180}}}, radius};
-  JointSchedule schedule(places, {{{20, 100}, radius, limits}}, {{0, {{20, 100}, {180, 100}}}},
+  JointSchedule schedule(roadmaps, {{{20, 100}, radius, limits}}, {{0, {{20, 100}, {180, 100}}}},
                          {ends, crosses, runs_over}, {}, 0, period);
   while (!schedule.step()) {
   }
@@ -222,11 +222,11 @@ TEST(JointSchedule, ThoseThatAreInTheWayForGoodMustGiveWay) {
 // come there, and to return.
 TEST(JointSchedule, ThoseThatPassWhereARobotWaitsMustGiveWay) {
   const ClearanceField field(test::open_map(220, 14));
-  MapRoadmaps places(field);
+  MapRoadmaps roadmaps(field);
   const JointSchedule::Other comes{{{0, {10, 7}}, {2, {40, 7}}, {4, {10, 7}}}, radius};
   const JointSchedule::Other stays_away{{{0, {6, 7}}, {2, {20, 7}}, {4, {6, 7}}}, radius};
   const std::vector<Move> moves{{1, {{60, 7}, {210, 7}}}, {0, {{40, 7}, {180, 7}}}};
-  JointSchedule schedule(places, {{{40, 7}, radius, limits}, {{60, 7}, radius, {1, 2}}}, moves,
+  JointSchedule schedule(roadmaps, {{{40, 7}, radius, limits}, {{60, 7}, radius, {1, 2}}}, moves,
                          {comes, stays_away}, {}, 0, period);
   while (!schedule.step()) {
   }
@@ -237,10 +237,10 @@ TEST(JointSchedule, ThoseThatPassWhereARobotWaitsMustGiveWay) {
 // Robots that almost touch cannot keep apart as usual.
 TEST(JointSchedule, MovesPastRobotsThatAlmostTouchAreMadeAllTheSame) {
   const ClearanceField field(test::open_map(200, 200));
-  MapRoadmaps places(field);
+  MapRoadmaps roadmaps(field);
   const std::vector<Move> moves{{0, {{20, 100}, {180, 100}}}, {1, {{20, 110.01}, {180, 110.01}}}};
   const auto trajectories = complete(
-      {places, {{{20, 100}, radius, limits}, {{20, 110.01}, radius, limits}}, moves, {}, {}, 0, period});
+      {roadmaps, {{{20, 100}, radius, limits}, {{20, 110.01}, radius, limits}}, moves, {}, {}, 0, period});
   EXPECT_EQ(trajectories[0].back().position, Point2(180, 100));
   EXPECT_EQ(trajectories[1].back().position, Point2(180, 110.01));
   EXPECT_GE(nearest(trajectories), 2 * radius);

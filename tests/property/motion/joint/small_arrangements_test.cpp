@@ -21,8 +21,8 @@ bool is_solved(const test::Arrangement& a, int scale, const std::vector<double>&
   for (std::size_t k = 0; k < a.starts.size(); ++k)
     tasks.push_back({a.centre(a.starts[k], scale), a.centre(a.goals[k], scale), radii[k] * scale});
   const ClearanceField field(map);
-  MapRoadmaps places(field);
-  const JointPlan plan = joint_plan(places, tasks, Random(1));
+  MapRoadmaps roadmaps(field);
+  const JointPlan plan = joint_plan(roadmaps, tasks, Random(1));
   const std::vector<Point2> ends = test::driven(map, tasks, plan);
   bool all_there = true;
   for (std::size_t k = 0; k < tasks.size(); ++k) all_there = all_there && ends[k] == *tasks[k].goal;

@@ -24,9 +24,9 @@ OccupancyMap hall_with_a_door() {
 // A robot that drives along an edge touches those that stand at the vertices near it, and no others.
 TEST(ClusterRoadmap, EdgesKnowWhomTheyTouchWhateverTheirSizes) {
   const ClearanceField field(hall_with_a_door());
-  MapRoadmaps places(field);
+  MapRoadmaps roadmaps(field);
   const std::vector<JointTask> tasks{{{10, 10}, Point2(50, 10), 5}, {{20, 30}, Point2(50, 30), 2}};
-  ClusterRoadmap roadmap(places, tasks, {}, {});
+  ClusterRoadmap roadmap(roadmaps, tasks, {}, {});
   const AnnotatedRoadmap& graph = roadmap.cluster().graph();
   std::size_t of_other_sizes = 0;
   for (Vertex from = 0; from < graph.size(); ++from) {
@@ -47,10 +47,10 @@ TEST(ClusterRoadmap, EdgesKnowWhomTheyTouchWhateverTheirSizes) {
 // The small robot counts as large as the other one only where there is room for that.
 TEST(ClusterRoadmap, ARobotCountsAsLargerWhereItHasRoom) {
   const ClearanceField field(hall_with_a_door());
-  MapRoadmaps places(field);
+  MapRoadmaps roadmaps(field);
   const auto sizes = [&](const Point2& start, double most_growth) {
     const std::vector<JointTask> tasks{{{10, 10}, Point2(20, 10), 5}, {start, Point2(20, 30), 3}};
-    ClusterRoadmap roadmap(places, tasks, {}, {.most_growth = most_growth});
+    ClusterRoadmap roadmap(roadmaps, tasks, {}, {.most_growth = most_growth});
     const Cluster& cluster = roadmap.cluster();
     return cluster.graph().radius(cluster.tasks()[1].start);
   };
@@ -62,10 +62,10 @@ TEST(ClusterRoadmap, ARobotCountsAsLargerWhereItHasRoom) {
 
 TEST(ClusterRoadmap, RobotsThatDoNotEndAtTheirGoalsAreStranded) {
   const ClearanceField field(hall_with_a_door());
-  MapRoadmaps places(field);
+  MapRoadmaps roadmaps(field);
   const std::vector<JointTask> tasks{
       {{10, 10}, Point2(10, 10), 2}, {{10, 30}, Point2(50, 30), 2}, {{20, 20}, std::nullopt, 2}};
-  ClusterRoadmap roadmap(places, tasks, {}, {});
+  ClusterRoadmap roadmap(roadmaps, tasks, {}, {});
   EXPECT_EQ(roadmap.plan_of({}).stranded, std::vector<std::size_t>{1});
 }
 

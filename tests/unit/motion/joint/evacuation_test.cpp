@@ -17,8 +17,8 @@ using test::open_map;
 
 std::optional<JointPlan> evacuated(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
   const ClearanceField field(map);
-  MapRoadmaps places(field);
-  ClusterRoadmap roadmap(places, tasks, {}, {});
+  MapRoadmaps roadmaps(field);
+  ClusterRoadmap roadmap(roadmaps, tasks, {}, {});
   Evacuation evacuation(roadmap.cluster(), Random(1));
   SearchState progress = SearchState::searching;
   while (progress == SearchState::searching) progress = evacuation.step();

@@ -29,8 +29,8 @@ OccupancyMap corridor(int width, int length = 160) {
 
 JointPlan solve(const OccupancyMap& map, const std::vector<JointTask>& tasks) {
   const ClearanceField field(map);
-  MapRoadmaps places(field);
-  JointPlan plan = joint_plan(places, tasks, Random(1));
+  MapRoadmaps roadmaps(field);
+  JointPlan plan = joint_plan(roadmaps, tasks, Random(1));
 
   const std::vector<Point2> at = driven(map, tasks, plan);
   for (std::size_t i = 0; i < tasks.size(); ++i) {
@@ -56,8 +56,8 @@ int steps_for_a_clinch(const std::vector<JointTask>& clinch) {
   for (const StartAndGoal& task : random_tasks(field, 60, 5, 0, random)) {
     if (far(task.start) && far(task.goal)) tasks.push_back({task.start, task.goal, 5});
   }
-  MapRoadmaps places(field);
-  JointPlanner planner(places, tasks, Random(1));
+  MapRoadmaps roadmaps(field);
+  JointPlanner planner(roadmaps, tasks, Random(1));
   int steps = 1;
   std::optional<JointPlan> plan;
   for (plan = planner.step(); !plan; plan = planner.step()) ++steps;
@@ -173,8 +173,8 @@ TEST(JointPlan, ALargeClusterIsSolvedExceptForTheImpossiblePart) {
   ASSERT_EQ(plan.stranded.size(), 1u);  // one makes room for the other
   EXPECT_LE(plan.stranded.front(), 1u);
   const ClearanceField field(map);
-  MapRoadmaps places(field);
-  JointPlanner planner(places, tasks, Random(1));
+  MapRoadmaps roadmaps(field);
+  JointPlanner planner(roadmaps, tasks, Random(1));
   int steps = 1;
   while (!planner.step()) ++steps;
   EXPECT_LT(steps, 1000);  // a search for parking vertices would take thousands

@@ -53,7 +53,7 @@ TEST(CoordinationRound, FailuresOnTheWayToOneGoalDoNotCountForTheNextGoal) {
 
 TEST(CoordinationRound, AMemberIsGivenThePlanOnceAndIsFree) {
   const ClearanceField field(test::open_map(100, 100));
-  MapRoadmaps places(field);
+  MapRoadmaps roadmaps(field);
   const Fleet fleet("a");
   const Reservations others;
   const Reserver reserver("a", {}, others);
@@ -62,11 +62,11 @@ TEST(CoordinationRound, AMemberIsGivenThePlanOnceAndIsFree) {
   round.hear(calls(4), a.position);
   round.hear(std::make_shared<const JointPlanMessage>(
       JointPlanMessage{.round = calls(4).round, .members = {{"a", 1, true}, {"b", 1, false}}}));
-  round.wait(a, fleet, reserver, places, 0);
+  round.wait(a, fleet, reserver, roadmaps, 0);
   EXPECT_EQ(round.stage(), Stage::waiting) << "it still brakes";
   EXPECT_EQ(round.take_up(), nullptr);
   a.stands = true;
-  round.wait(a, fleet, reserver, places, 0.05);
+  round.wait(a, fleet, reserver, roadmaps, 0.05);
   EXPECT_EQ(round.stage(), Stage::free);
   EXPECT_TRUE(round.stranded());
   const auto plan = round.take_up();
@@ -81,25 +81,25 @@ Mission mission_of(const char* robot, const Point2& start) {
 
 TEST(CoordinationRound, ARobotWithoutOthersCallsNone) {
   const ClearanceField field(test::open_map(100, 100));
-  const MapRoadmaps places(field);
+  const MapRoadmaps roadmaps(field);
   Fleet fleet("a");
   fleet.hear(mission_of("a", {5, 5}), 0);
   CoordinationRound round("a");
   round.call({.robot = "a", .position = {5, 5}, .radius = 1, .stands = true, .round = {}}, {{5, 5}, {9, 5}},
-             fleet, places, 0);
+             fleet, roadmaps, 0);
   EXPECT_EQ(round.stage(), Stage::free);
   EXPECT_EQ(round.id().epoch, 0u);
 }
 
 TEST(CoordinationRound, TheNearestRobotIsWithinReachHoweverFarItIs) {
   const ClearanceField field(test::open_map(100, 100));
-  const MapRoadmaps places(field);
+  const MapRoadmaps roadmaps(field);
   Fleet fleet("a");
   fleet.hear(mission_of("a", {5, 5}), 0);
   fleet.hear(mission_of("b", {90, 90}), 0);
   CoordinationRound round("a");
   round.call({.robot = "a", .position = {5, 5}, .radius = 1, .stands = true, .round = {}}, {{5, 5}, {9, 5}},
-             fleet, places, 0);
+             fleet, roadmaps, 0);
   EXPECT_EQ(round.stage(), Stage::waiting);
   EXPECT_TRUE(round.id().includes({90, 90}));
 }
@@ -107,7 +107,7 @@ TEST(CoordinationRound, TheNearestRobotIsWithinReachHoweverFarItIs) {
 // A robot that an operator halts for a moment leaves the round, and does not join the same one again.
 TEST(CoordinationRound, ALeaderForWhichSomebodyDoesNotWaitCallsAnew) {
   const ClearanceField field(test::open_map(100, 100));
-  MapRoadmaps places(field);
+  MapRoadmaps roadmaps(field);
   Fleet fleet("a");
   const Reservations others;
   const Reserver reserver("a", {}, others);
@@ -115,11 +115,11 @@ TEST(CoordinationRound, ALeaderForWhichSomebodyDoesNotWaitCallsAnew) {
   fleet.hear(mission_of("b", {8, 5}), 0);
   const FleetMember a{.robot = "a", .position = {5, 5}, .radius = 1, .stands = true, .round = {}};
   CoordinationRound round("a");
-  round.call(a, {{5, 5}, {9, 5}}, fleet, places, 0);
+  round.call(a, {{5, 5}, {9, 5}}, fleet, roadmaps, 0);
   const RoundId first = round.id();
-  for (double now = 0; now < 59; now += 1) round.wait(a, fleet, reserver, places, now);
+  for (double now = 0; now < 59; now += 1) round.wait(a, fleet, reserver, roadmaps, now);
   EXPECT_EQ(round.id(), first);
-  round.wait(a, fleet, reserver, places, 61);
+  round.wait(a, fleet, reserver, roadmaps, 61);
   EXPECT_TRUE(round.id().overrides(first));
   EXPECT_EQ(round.stage(), Stage::waiting);
 }
@@ -127,16 +127,16 @@ TEST(CoordinationRound, ALeaderForWhichSomebodyDoesNotWaitCallsAnew) {
 // A packed roadmap of the whole map would take gigabytes.
 TEST(CoordinationRound, OnAMapThatIsTooLargeThereIsNone) {
   const ClearanceField field(test::open_map(2'000, 2'000));
-  const MapRoadmaps places(field);
+  const MapRoadmaps roadmaps(field);
   Fleet fleet("a");
   fleet.hear(mission_of("a", {5, 5}), 0);
   fleet.hear(mission_of("b", {8, 5}), 0);
   FleetMember a{.robot = "a", .position = {5, 5}, .radius = 0.5, .stands = true, .round = {}};
   CoordinationRound round("a");
-  round.call(a, {{5, 5}, {9, 5}}, fleet, places, 0);
+  round.call(a, {{5, 5}, {9, 5}}, fleet, roadmaps, 0);
   EXPECT_EQ(round.stage(), Stage::free);
   a.radius = 1;
-  round.call(a, {{5, 5}, {9, 5}}, fleet, places, 0);
+  round.call(a, {{5, 5}, {9, 5}}, fleet, roadmaps, 0);
   EXPECT_EQ(round.stage(), Stage::waiting);
 }
 

@@ -32,8 +32,8 @@ FleetMember member(const RobotName& name, const Point2& position, const Point2& 
 
 std::vector<JointPlanMessage::Member> planned(const OccupancyMap& map, std::vector<FleetMember> members) {
   const ClearanceField field(map);
-  MapRoadmaps places(field);
-  PlanMaker maker(places, std::move(members), {}, {}, Random(1), 0);
+  MapRoadmaps roadmaps(field);
+  PlanMaker maker(roadmaps, std::move(members), {}, {}, Random(1), 0);
   while (!maker.step(0, true)) {
   }
   EXPECT_FALSE(maker.strands());
@@ -87,7 +87,7 @@ TEST(PlanMaker, RobotsThatStandCloselyDriveApart) {
 TEST(PlanMaker, APlanIsChosenThoughLaterOnesWouldWaitLess) {
   const OccupancyMap map = corridor();
   const ClearanceField field(map);
-  MapRoadmaps places(field);
+  MapRoadmaps roadmaps(field);
   std::vector<FleetMember> members;
   for (int k = 0; k < 5; ++k) {
     members.push_back(member("a" + std::to_string(k), {20.0 + 14 * k, 35}, {280.0 - 14 * k, 35}));
@@ -95,7 +95,7 @@ TEST(PlanMaker, APlanIsChosenThoughLaterOnesWouldWaitLess) {
   }
   const double large = 9;
   const KnownReservation other{{"c", 1, 0}, {{0, {150, 35}}, {60, {150, 35}}, {62, {150, 69}}}, large};
-  PlanMaker maker(places, members, {}, {&other, 1}, Random(1), 0);
+  PlanMaker maker(roadmaps, members, {}, {&other, 1}, Random(1), 0);
   double now = 0;
   while (!maker.step(now, true) && now < 20) now += 0.05;
   EXPECT_LT(now, 5);

@@ -393,7 +393,7 @@ TEST_F(ReserverTest, AMemberCountsOnARobotThatItsLeaderPlannedAroundUnderAnEarli
   a.adopt(plan, 0.5);
   a.look();
   EXPECT_EQ(a.reserver.held().basis().size(), 1u);
-  Robot other{"a", a.path, places};
+  Robot other{"a", a.path, roadmaps};
   other.others.hear(passes_later(6));
   other.adopt(plan, 0.5);
   other.look();

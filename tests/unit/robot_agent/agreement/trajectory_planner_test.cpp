@@ -22,7 +22,7 @@ class TrajectoryPlannerTest : public testing::Test {
             .may_give_way = may_give_way};
   }
   TrajectoryPlanner planner(std::vector<OtherRobot> others) {
-    return {places, path, radius, limits, 0, std::move(others), {}};
+    return {roadmaps, path, radius, limits, 0, std::move(others), {}};
   }
   static bool keeps_apart(const Trajectory& own, const OtherRobot& other) {
     return !come_too_close(own, other.reservation->trajectory, kept_apart(radius, radius) - 1e-6, 0);
@@ -33,7 +33,7 @@ class TrajectoryPlannerTest : public testing::Test {
     OccupancyMap map{.width = 200, .height = 14, .blocked = std::vector<std::uint8_t>(2800, 0)};
     return map;
   }()};
-  MapRoadmaps places{field};
+  MapRoadmaps roadmaps{field};
   Path path{{60, 7}, {180, 7}};
   OtherRobot ahead = robot("ahead", {{0, {80, 7}}, {3, {110, 7}}, {6, {110, 7}}, {10, {195, 7}}});
 };
@@ -88,11 +88,11 @@ class LongWay : public testing::Test {
   static constexpr Limits slow{1, 2};
 
   TrajectoryPlanner planner(std::vector<OtherRobot> others) {
-    return {places, way, small, slow, 0, std::move(others), {}};
+    return {roadmaps, way, small, slow, 0, std::move(others), {}};
   }
 
   ClearanceField field{test::winding_map(side)};
-  MapRoadmaps places{field};
+  MapRoadmaps roadmaps{field};
   Path way = test::way_through(side / 8, side);
 };
 
@@ -100,7 +100,7 @@ TEST_F(LongWay, IsReservedInPartsThatFollowOnEachOther) {
   Path left = way;
   int parts = 0;
   for (; left.size() > 1 && parts < 10; ++parts) {
-    TrajectoryPlanner alone(places, left, small, slow, 0, {}, {});
+    TrajectoryPlanner alone(roadmaps, left, small, slow, 0, {}, {});
     const auto found = alone.around_all();
     ASSERT_TRUE(found);
     EXPECT_LE(length_of(path_of(*found)), 1.01 * 16'000 * small);  // with wide corners
@@ -153,12 +153,12 @@ TEST(LargeMap, IsSearchedInParts) {
   constexpr double small = 0.4;
   constexpr int side = 1'500;
   const ClearanceField field(test::winding_map(side));
-  MapRoadmaps places(field);
-  ASSERT_FALSE(places.has_lattice(small));
+  MapRoadmaps roadmaps(field);
+  ASSERT_FALSE(roadmaps.has_lattice(small));
   const Path way{test::in_corridor(0, 10), test::in_corridor(0, 1'000)};
   OtherRobot stands{
       .position = test::in_corridor(0, 100), .radius = small, .stands_until = SpaceTime::forever};
-  TrajectoryPlanner around(places, way, small, {1, 2}, 0, {stands}, {});
+  TrajectoryPlanner around(roadmaps, way, small, {1, 2}, 0, {stands}, {});
   const auto found = around.around_all();
   ASSERT_TRUE(found);
   EXPECT_FALSE(come_too_close(*found, {{0, stands.position}}, kept_apart(small, small) - 1e-6, 0));
