@@ -30,7 +30,8 @@ inline constexpr double room_in_time = 0.125;
 /// Metres between the centres of two robots that trajectories keep: they may stray, and the gates that follow
 /// from the trajectories (reserved_order.h) close a little before the two could touch.
 inline double kept_apart(double radius, double other_radius) {
-  return (1 + reserved_stray_radii) * (radius + other_radius) + comfort_radii * std::max(radius, other_radius);
+  return (1 + reserved_stray_radii) * (radius + other_radius) +
+         comfort_radii * std::max(radius, other_radius);
 }
 
 struct Interval {

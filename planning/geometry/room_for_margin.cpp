@@ -117,7 +117,8 @@ std::ptrdiff_t euler_characteristic(const Lattice& lattice, const FreePoints& sp
 }
 
 /// Whether each point of a space is within some steps of the smaller space.
-bool covers(const Lattice& lattice, const FreePoints& smaller, const FreePoints& space, std::ptrdiff_t steps) {
+bool covers(const Lattice& lattice, const FreePoints& smaller, const FreePoints& space,
+            std::ptrdiff_t steps) {
   for (std::size_t k = 0; k < space.size(); ++k) {
     if (space[k] == smaller[k]) continue;
     bool is_near = false;
