@@ -130,9 +130,9 @@ bool ClusterRoadmap::mend_what_is_missed() {
       radii_[i] = task.radius;
       mended = true;
     } else if (missed_[i].empty()) {
-      const SpacedRoute route =
-          coarsest_route(roadmaps_.field(), task.radius, task.position, *task.goal, immovable(tasks_), 1);
-      missed_[i] = points_along(route.path, 2 * task.radius + standing_gap);
+      const Path route =
+          coarsest_route(roadmaps_.field(), task.radius, task.position, *task.goal, immovable(tasks_));
+      missed_[i] = points_along(route, 2 * task.radius + standing_gap);
       mended = mended || !missed_[i].empty();
     }
   }

@@ -28,9 +28,6 @@ struct JointTask {
 inline std::optional<Point2> end_of(const JointTask& task) {
   return task.movable ? task.goal : task.position;
 }
-inline bool wants_to_move(const JointTask& task) {
-  return task.movable && task.goal && *task.goal != task.position;
-}
 
 /// The robots that are not movable.
 inline std::vector<Disc> immovable(std::span<const JointTask> tasks) {

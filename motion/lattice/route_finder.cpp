@@ -149,16 +149,15 @@ Path RouteFinder::route(const Point2& from, const Point2& to, std::span<const Di
   return shorten(SpaceWithDiscs<Obstacle>{field_, walls}, search(from, to, walls), radius_);
 }
 
-SpacedRoute coarsest_route(const ClearanceField& field, double radius, const Point2& from, const Point2& to,
-                           std::span<const Disc> discs, double share) {
-  while (true) {
-    RouteFinder finder(field, radius, share * usual_spacing(radius));
+Path coarsest_route(const ClearanceField& field, double radius, const Point2& from, const Point2& to,
+                    std::span<const Disc> discs) {
+  for (double spacing = usual_spacing(radius);; spacing /= 2) {
+    RouteFinder finder(field, radius, spacing);
     Path path = finder.route(from, to, discs);
     const Point2 extent = field.bounds().upper - field.bounds().lower;
     const double next_size = 4 * extent.x() * extent.y() / (finder.spacing() * finder.spacing());
     const bool finest = finder.spacing() <= field.frame().resolution / 2 || next_size > most_vertices;
-    if (!path.empty() || finest) return {std::move(path), share};
-    share /= 2;
+    if (!path.empty() || finest) return path;
   }
 }
 

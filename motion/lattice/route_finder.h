@@ -61,14 +61,9 @@ inline double usual_spacing(double radius) {
   return 0.4 * radius;
 }
 
-struct SpacedRoute {
-  Path path;     ///< empty: none on any lattice
-  double share;  ///< share of the usual spacing
-};
-
-/// The route on the coarsest lattice that holds one. The spacing is `share` of the usual one, then half of
-/// that, and so on, down to half a cell or to the largest number of vertices that is searched.
-SpacedRoute coarsest_route(const ClearanceField& field, double radius, const Point2& from, const Point2& to,
-                           std::span<const Disc> discs, double share);
+/// The route on the coarsest lattice that holds one; empty: none does. The spacing is the usual one, then
+/// half of that, and so on, down to half a cell or to the largest number of vertices that is searched.
+Path coarsest_route(const ClearanceField& field, double radius, const Point2& from, const Point2& to,
+                    std::span<const Disc> discs);
 
 }  // namespace coppice

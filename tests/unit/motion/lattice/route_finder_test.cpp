@@ -64,7 +64,7 @@ TEST(RouteFinder, TheRouteLeavesADeadlockBetweenLatticePoints) {
     const std::vector<Disc> discs{{from + (touching + 0.02) * aside, 5},
                                   {from - (touching + 0.02) * aside, 5},
                                   {from - (touching + 0.5) * ahead, 5}};
-    EXPECT_FALSE(coarsest_route(field, 5, from, from + 30 * ahead + 20 * aside, discs, 1).path.empty())
+    EXPECT_FALSE(coarsest_route(field, 5, from, from + 30 * ahead + 20 * aside, discs).empty())
         << degrees << " degrees";
   }
 }
